@@ -28,7 +28,8 @@ class Performance:
         left, right: (n,) int8, the fingers that were to play each note (see `Fingering`).
         time_s: (T,) float64, time of each tick; 0 is the start of the piece, the hands may
             begin to move before it.
-        qpos: (T, nq) float32, MuJoCo generalised positions.
+        qpos: (T, nq) float32, MuJoCo generalised positions: the left hand's first, its three
+            slides in metres, then its hinges in radians.
         press_force_n: (T, 6, F) float32, normal force in each fret space; [:, s, f - 1] is
             string s + 1 pressed behind fret f.
         sounding_fret: (T, 6) int8, fret that each string would sound if plucked, `DEAD` if it
@@ -46,6 +47,7 @@ class Performance:
         controller: What drove the left hand.
         control_hz: Ticks per second.
         seed: Seed of the run.
+        left_nq: Number of columns of `qpos` that are the left hand's.
     """
 
     tablature: Tablature
@@ -67,6 +69,7 @@ class Performance:
     controller: str = "planner"
     control_hz: float = 30.0
     seed: int = 0
+    left_nq: int = 27
 
     def save(self, path: str | Path) -> None:
         """Write to an `.npz` file; the bytes depend on the content only."""
