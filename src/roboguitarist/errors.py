@@ -39,4 +39,10 @@ class TabError(RoboGuitaristError):
         )
         where = ", ".join(str(place) for place in places if place)
         message = f"{where}: {reason}" if where else reason
-        super().__init__(f"{message} ({hint})" if hint else message)
+        super().__init__(" ".join((f"{message} ({hint})" if hint else message).split()))
+
+    def in_file(self, name: str) -> TabError:
+        """The same error with the name of the file in its message."""
+        return TabError(
+            self.reason, file=name, part=self.part, bar=self.bar, beat=self.beat, hint=self.hint
+        )

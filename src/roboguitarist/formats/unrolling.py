@@ -1,0 +1,211 @@
+"""From the written score to the tablature as it is played."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import groupby, pairwise
+
+from roboguitarist.arrangement import Sound, arrange, fold
+from roboguitarist.errors import TabError
+from roboguitarist.formats.play_order import expand
+from roboguitarist.formats.tempo_map import TempoMap, bar_starts, tempo_map
+from roboguitarist.formats.written import WrittenBar, WrittenNote, WrittenPart, WrittenScore
+from roboguitarist.tablature import (
+    N_STRINGS,
+    STANDARD_TUNING,
+    Bar,
+    Note,
+    Tablature,
+    Technique,
+    Tempo,
+    validate,
+)
+
+MAX_PLAYED_NOTES = 100_000
+
+
+@dataclass(frozen=True, slots=True)
+class _Played:
+    """A note with its times in quarter notes from the start of the piece."""
+
+    start: Fraction
+    end: Fraction
+    pitch: int
+    note: WrittenNote
+
+    @property
+    def given(self) -> bool:
+        """Whether string and fret are written."""
+        return self.note.string is not None and self.note.fret is not None
+
+
+def unroll(score: WrittenScore, part: WrittenPart, warnings: Sequence[str] = ()) -> Tablature:
+    """Play a part through: repeats, ties, tempo, and places for notes that have a pitch only.
+
+    Raises:
+        TabError: If it cannot be played on a guitar, or repeats make it absurdly long.
+    """
+    tuning = part.tuning or STANDARD_TUNING
+    order = expand(score.bars)
+    grace_lead_in = _lead_in(part, order)
+    starts = bar_starts(score.bars, order, grace_lead_in)
+    seconds = tempo_map(score.bars, order, starts)
+    played, clashes = _one_at_a_time(_merge_unisons(_play(part, order, starts, tuning)))
+    placed, changes = _place(played, tuning, part.capo)
+    remarks = [_remark(score.bars, note, what) for note, what in clashes + changes]
+    notes = [_note(p, seconds, score.bars[p.note.bar].number) for p in placed]
+    tablature = Tablature(
+        notes=tuple(sorted(_clear_for_grace(notes), key=lambda note: note.place)),
+        bars=tuple(_bar(score.bars[k], seconds(s)) for k, s in zip(order, starts, strict=True)),
+        tempi=tuple(Tempo(seconds(quarter), float(tempo)) for quarter, tempo in seconds.marks),
+        tuning=tuning,
+        capo=part.capo,
+        title=score.title,
+        composer=score.composer,
+        source=score.source,
+        warnings=(*warnings, *part.warnings, *remarks),
+    )
+    return validate(tablature)
+
+
+def _lead_in(part: WrittenPart, order: Sequence[int]) -> Fraction:
+    """Time in quarter notes that grace notes before the first beat need."""
+    first = (note.offset for note in part.notes if order and note.bar == order[0])
+    return max(Fraction(0), -min(first, default=Fraction(0)))
+
+
+def _remark(bars: Sequence[WrittenBar], note: WrittenNote, what: str) -> str:
+    return f"bar {bars[note.bar].number}, beat {float(note.offset + 1):g}: {what}"
+
+
+def _play(
+    part: WrittenPart, order: Sequence[int], starts: Sequence[Fraction], tuning: Sequence[int]
+) -> list[_Played]:
+    """Written notes in playing order, each chain of ties as one note."""
+    by_bar = {k: list(group) for k, group in groupby(part.notes, key=lambda note: note.bar)}
+    if sum(len(by_bar.get(index, ())) for index in order) > MAX_PLAYED_NOTES:
+        raise TabError(f"repeats make more than {MAX_PLAYED_NOTES} notes", part=part.name)
+    played: list[_Played] = []
+    last: dict[tuple[int, int], int] = {}
+    for index, bar_start in zip(order, starts, strict=True):
+        for note in sorted(by_bar.get(index, ()), key=lambda note: note.offset):
+            start = bar_start + note.offset
+            pitch = _pitch(note, tuning, part.capo)
+            key = note.voice, pitch
+            if note.tied and key in last and played[last[key]].end == start:
+                played[last[key]] = replace(played[last[key]], end=start + note.length)
+                continue
+            last[key] = len(played)
+            played.append(_Played(start, start + note.length, pitch, note))
+    return sorted(played, key=lambda p: p.start)
+
+
+def _pitch(note: WrittenNote, tuning: Sequence[int], capo: int) -> int:
+    """What string and fret give, else the written pitch."""
+    if note.string is not None and note.fret is not None and 1 <= note.string <= N_STRINGS:
+        return tuning[note.string - 1] + capo + note.fret
+    return note.pitch or 0
+
+
+def _merge_unisons(played: list[_Played]) -> list[_Played]:
+    """Make one note of a pitch that two voices begin together, or that a string has twice."""
+    merged: list[_Played] = []
+    for _, group in groupby(played, key=lambda p: p.start):
+        kept: list[_Played] = []
+        for p in sorted(group, key=lambda p: not p.given):
+            twin = next((k for k, other in enumerate(kept) if _unison(other, p)), None)
+            if twin is None:
+                kept.append(p)
+            else:
+                kept[twin] = _join(kept[twin], p)
+        merged += kept
+    return merged
+
+
+def _unison(a: _Played, b: _Played) -> bool:
+    if a.given and b.given:
+        return (a.note.string, a.note.fret) == (b.note.string, b.note.fret)
+    return a.pitch == b.pitch and a.note.voice != b.note.voice
+
+
+def _join(a: _Played, b: _Played) -> _Played:
+    note = replace(
+        a.note,
+        techniques=tuple(sorted({*a.note.techniques, *b.note.techniques})),
+        left_finger=b.note.left_finger if a.note.left_finger is None else a.note.left_finger,
+        right_finger=a.note.right_finger or b.note.right_finger,
+    )
+    return replace(a, end=max(a.end, b.end), note=note)
+
+
+_Remarks = list[tuple[WrittenNote, str]]
+
+
+def _one_at_a_time(played: list[_Played]) -> tuple[list[_Played], _Remarks]:
+    """Of several notes on one string at once, free all but the highest from that string."""
+    result: list[_Played] = []
+    remarks: _Remarks = []
+    for _, group in groupby(played, key=lambda p: p.start):
+        taken: set[int | None] = set()
+        for p in sorted(group, key=lambda p: -p.pitch):
+            note = p.note
+            if p.given and note.string in taken:
+                remarks.append((note, f"two notes on string {note.string}, one is moved"))
+                note = replace(note, string=None, fret=None)
+            elif p.given:
+                taken.add(note.string)
+            result.append(replace(p, note=note))
+    return result, remarks
+
+
+def _place(
+    played: list[_Played], tuning: Sequence[int], capo: int
+) -> tuple[list[_Played], _Remarks]:
+    """Give a string and a fret to notes that lack one; say what had to be changed."""
+    remarks: _Remarks = []
+    sounds = []
+    for p in played:
+        note, pitch = p.note, p.pitch if p.given else fold(p.pitch, tuning, capo)
+        if pitch != p.pitch:
+            remarks.append((note, f"pitch {p.pitch} is out of range, {pitch} is played"))
+        times = float(p.start), float(p.end)
+        sounds.append(Sound(*times, pitch, note.string, note.fret, note.left_finger))
+    placed = []
+    for p, place in zip(played, arrange(sounds, tuning, capo), strict=True):
+        if place is None:
+            remarks.append((p.note, f"pitch {p.pitch} left out, no string in reach is free"))
+        else:
+            placed.append(replace(p, note=replace(p.note, string=place.string, fret=place.fret)))
+    return placed, remarks
+
+
+def _bar(bar: WrittenBar, onset_s: float) -> Bar:
+    return Bar(onset_s, bar.number, bar.beats, bar.beat_type)
+
+
+def _note(p: _Played, seconds: TempoMap, bar: int) -> Note:
+    onset = seconds(p.start)
+    return Note(
+        onset_s=onset,
+        string=p.note.string or 0,
+        fret=p.note.fret or 0,
+        duration_s=round(seconds(p.end) - onset, 6),
+        bar=bar,
+        beat=round(float(p.note.offset + 1), 6),
+        voice=p.note.voice,
+        techniques=p.note.techniques,
+        left_finger=p.note.left_finger,
+        right_finger=p.note.right_finger,
+    )
+
+
+def _clear_for_grace(notes: Sequence[Note]) -> list[Note]:
+    """End a note where a grace note on its string begins."""
+    result = sorted(notes, key=lambda note: (note.string, note.onset_s))
+    for k, (note, following) in enumerate(pairwise(result)):
+        overlap = note.string == following.string and note.end_s > following.onset_s
+        if overlap and Technique.GRACE in following.techniques:
+            result[k] = replace(note, duration_s=round(following.onset_s - note.onset_s, 6))
+    return result

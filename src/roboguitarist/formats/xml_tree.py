@@ -1,0 +1,109 @@
+"""Reading XML that may be broken or hostile into a tree of bounded size."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from typing import Any
+from xml.etree.ElementTree import Element, ParseError, TreeBuilder
+
+from defusedxml.common import DefusedXmlException
+from defusedxml.ElementTree import DefusedXMLParser
+
+from roboguitarist.errors import TabError
+
+MAX_ELEMENTS = 2_000_000
+MAX_DEPTH = 100
+
+
+class _BoundedBuilder(TreeBuilder):
+    """A tree builder that refuses trees which are too large or too deep."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.elements = self.depth = 0
+
+    def start(self, tag: str, attrs: dict[Any, Any], /) -> Element:
+        self.elements += 1
+        self.depth += 1
+        if self.elements > MAX_ELEMENTS:
+            raise TabError(f"more than {MAX_ELEMENTS} XML elements")
+        if self.depth > MAX_DEPTH:
+            raise TabError(f"XML elements nested more than {MAX_DEPTH} deep")
+        return super().start(_local(tag), attrs)
+
+    def end(self, tag: str, /) -> Element:
+        self.depth -= 1
+        return super().end(_local(tag))
+
+
+def _local(tag: str) -> str:
+    return tag.rpartition("}")[2]
+
+
+def parse(data: bytes) -> Element:
+    """Root of an XML document without namespaces in its tags.
+
+    A document in UTF-8 that says it is in another encoding is read as UTF-8.
+
+    Raises:
+        TabError: If it is not well-formed, declares entities, or is too large or too deep.
+    """
+    try:
+        try:
+            return _parse(data, None)
+        except (ParseError, LookupError, ValueError) as error:
+            if not _misdeclared(error):
+                raise
+            return _parse(data, "utf-8")
+    except DefusedXmlException as error:
+        kind = type(error).__name__
+        raise TabError(f"XML entities are not accepted ({kind})") from error
+    except (ParseError, LookupError, ValueError) as error:
+        raise TabError(f"broken XML: {error}") from error
+
+
+def _misdeclared(error: Exception) -> bool:
+    return isinstance(error, LookupError) or "encoding" in str(error)
+
+
+def _parse(data: bytes, encoding: str | None) -> Element:
+    parser = DefusedXMLParser(target=_BoundedBuilder(), encoding=encoding, forbid_entities=True)
+    parser.feed(data)
+    root = parser.close()
+    if not isinstance(root, Element):
+        raise ParseError("no element found")
+    return root
+
+
+def text(element: Element | None, path: str = ".") -> str:
+    """Text of a descendant with its white space collapsed, empty if there is none."""
+    found = None if element is None else element.find(path)
+    return " ".join((found.text or "").split()) if found is not None else ""
+
+
+_DECIMAL = re.compile(r"[+-]?(\d{1,9}(\.\d*)?|\.\d+)")
+
+
+def number(element: Element, path: str) -> Fraction | None:
+    """Decimal number in a descendant, exactly; None if there is no such element.
+
+    Raises:
+        TabError: If it is not a number, or one of absurd size.
+    """
+    found = text(element, path)
+    if not found:
+        return None
+    if len(found) > 20 or not _DECIMAL.fullmatch(found):
+        raise TabError(f"{path.rpartition('/')[2]} {found[:20]!r} is not a number")
+    return Fraction(found)
+
+
+def integer(element: Element, path: str) -> int | None:
+    """Whole number in a descendant, rounded if it has decimals; None if there is none.
+
+    Raises:
+        TabError: If it is not a number.
+    """
+    found = number(element, path)
+    return None if found is None else round(found)
