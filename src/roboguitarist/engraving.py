@@ -16,14 +16,14 @@ LEGEND = (
     "Over the strings: right-hand fingers, and the fret of the index finger where it changes "
     "(C: barre). Under the strings: left-hand fingers."
 )
-STACK = 4
-"""Rows for the fingers of a hand, one finger a row."""
+RIGHT_ROWS, LEFT_ROWS = 4, 5
+"""Rows for the fingers of each hand, one finger a row; on the left there is also `?`."""
 MAX_SPACE = 8
 """Most dashes after a fret, however long the time to the next."""
 
 Column = list[str]
 """The texts of one moment, all of one width, a row each: bar number, hold position, right hand
-(`STACK`), strings 1 to 6, left hand (`STACK`)."""
+(`RIGHT_ROWS`), strings 1 to 6, left hand (`LEFT_ROWS`)."""
 
 
 def render(fingering: Fingering, width: int = 80) -> str:
@@ -161,8 +161,8 @@ def _column(
     fill: str = " ",
 ) -> Column:
     """Texts padded to one width: `space` after the strings, 1 after a number over them."""
-    over = [bar, position, *[""] * (STACK - len(right)), *right]
-    under = [*left, *[""] * (STACK - len(left))]
+    over = [bar, position, *[""] * (RIGHT_ROWS - len(right)), *right]
+    under = [*left, *[""] * (LEFT_ROWS - len(left))]
     marks = max(len(text) + 1 for text in (*over, *under))
     width = max(*(len(text) + space for text in strings), marks if any(over) else 0)
     lines = [text.ljust(width, fill) for text in strings]
@@ -174,7 +174,7 @@ def _systems(columns: list[Column], width: int) -> Iterator[list[Column]]:
     ending = columns.pop()
     bars: list[list[Column]] = []
     for column in columns:
-        if column[2 + STACK].startswith("|"):
+        if column[2 + RIGHT_ROWS].startswith("|"):
             bars.append([])
         bars[-1].append(column)
     system: list[Column] = []
