@@ -6,6 +6,10 @@ from __future__ import annotations
 class RoboGuitaristError(Exception):
     """Input that cannot be used. The message is one line: what, where, what would work."""
 
+    def __str__(self) -> str:
+        """The message on one line, whatever names from files it quotes."""
+        return " ".join(super().__str__().split())
+
 
 class TabError(RoboGuitaristError):
     """A score that cannot be read or makes no sense as a guitar tablature.
@@ -39,7 +43,7 @@ class TabError(RoboGuitaristError):
         )
         where = ", ".join(str(place) for place in places if place)
         message = f"{where}: {reason}" if where else reason
-        super().__init__(" ".join((f"{message} ({hint})" if hint else message).split()))
+        super().__init__(f"{message} ({hint})" if hint else message)
 
     def in_file(self, name: str) -> TabError:
         """The same error with the name of the file in its message."""

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import io
 import os
+import struct
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, get_origin, get_type_hints
 
 import numpy as np
 
 from roboguitarist.errors import RoboGuitaristError
+
+MAX_BYTES = 2_000_000_000
+"""Unpacked size from which a file is refused."""
 
 
 @contextmanager
@@ -81,15 +86,56 @@ def load(
     Raises:
         RoboGuitaristError: If the file is missing or is not such a file.
     """
-    decode = decode or {}
+    decode, hints = decode or {}, get_type_hints(kind)
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            values = {entry.name: archive[entry.name] for entry in fields(kind)}
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        arrays = _arrays(Path(path), [entry.name for entry in fields(kind)])
+        values = {
+            name: array if name in decode else _restored(array, hints[name], name)
+            for name, array in arrays.items()
+        }
+    except OSError as error:
+        raise RoboGuitaristError(f"cannot read {path}: {error.strerror or error}") from error
+    except _BROKEN as error:
         raise RoboGuitaristError(f"{path}: not a saved {kind.__name__} ({error})") from error
-    for name, value in values.items():
-        if name in decode:
-            values[name] = decode[name](str(value))
-        elif value.ndim == 0:
-            values[name] = value.item()
+    for name, text in decode.items():
+        values[name] = text(str(values[name]))
     return kind(**values)
+
+
+# What numpy and zipfile raise on files that are broken in one way or another.
+_BROKEN = (
+    ValueError,
+    TypeError,
+    KeyError,
+    AttributeError,
+    EOFError,
+    MemoryError,
+    RuntimeError,
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+)
+
+
+def _arrays(path: Path, names: list[str]) -> dict[str, np.ndarray]:
+    with zipfile.ZipFile(path) as archive:
+        if sum(member.file_size for member in archive.infolist()) > MAX_BYTES:
+            raise ValueError(f"it unpacks to more than {MAX_BYTES // 10**9} GB")
+    with np.load(path, allow_pickle=False) as archive:
+        return {name: archive[name] for name in names}
+
+
+_KINDS = {int: "iu", float: "fiu", str: "U", bool: "b", np.ndarray: "biufU"}
+
+
+def _restored(array: np.ndarray, declared: type, name: str) -> Any:
+    """The value of a field as it was before saving."""
+    if get_origin(declared) is tuple:
+        return tuple(array.tolist())
+    if array.dtype.kind not in _KINDS.get(declared, array.dtype.kind):
+        raise TypeError(f"{name} holds {array.dtype}, not {declared.__name__}")
+    if declared is np.ndarray:
+        return array
+    if array.ndim:
+        raise TypeError(f"{name} is not a single {declared.__name__}")
+    return array.item()

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, fields
 from enum import StrEnum
-from itertools import pairwise
+from itertools import chain, pairwise
+from math import isfinite
+from types import NoneType
 from typing import Any
 
 from roboguitarist.errors import TabError
@@ -45,7 +47,7 @@ class Note:
         fret: Fret number relative to the capo, 0 for the open string.
         duration_s: Written length in seconds, above 0.
         bar: Written bar number, from 1 (0 for a pick-up bar).
-        beat: Place in the bar in quarter notes, from 1.
+        beat: Place in the bar in quarter notes, from 1; less for a grace note before the bar.
         voice: Voice in the part, from 1.
         techniques: In alphabetical order, without repeats.
         left_finger: Finger 0 to 4 as marked in the file, if any.
@@ -141,24 +143,51 @@ class Tablature:
             TabError: If the text is not such JSON or breaks a rule of `validate`.
         """
         try:
-            data: dict[str, Any] = json.loads(text)
+            data = _values(cls, json.loads(text))
             data["notes"] = tuple(_note(item) for item in data["notes"])
-            data["bars"] = tuple(Bar(**item) for item in data["bars"])
-            data["tempi"] = tuple(Tempo(**item) for item in data["tempi"])
-            data["tuning"] = tuple(data["tuning"])
-            data["warnings"] = tuple(data.get("warnings", ()))
+            data["bars"] = tuple(Bar(**_values(Bar, item)) for item in data["bars"])
+            data["tempi"] = tuple(Tempo(**_values(Tempo, item)) for item in data["tempi"])
+            data["tuning"] = tuple(_checked("int", pitch) for pitch in data["tuning"])
+            data["warnings"] = tuple(_checked("str", line) for line in data.get("warnings", ()))
             tablature = cls(**data)
-        except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+        except KeyError as error:
+            raise TabError(f"not a saved tablature: no or unknown {error}") from error
+        except (ValueError, TypeError, OverflowError, RecursionError) as error:
             raise TabError(f"not a saved tablature: {error}") from error
         return validate(tablature)
 
 
-def _note(item: dict[str, Any]) -> Note:
-    techniques = tuple(Technique(name) for name in item.get("techniques", ()))
-    return Note(**{**item, "techniques": techniques})
+_JSON_TYPES: dict[str, tuple[type, ...]] = {
+    "float": (float, int),
+    "int": (int,),
+    "str": (str,),
+    "int | None": (int, NoneType),
+    "str | None": (str, NoneType),
+}
+
+
+def _values(kind: type, item: Any) -> dict[str, Any]:
+    """Fields of a dataclass from JSON, each of the type that it is declared with."""
+    if not isinstance(item, dict):
+        raise TypeError(f"{kind.__name__} without names")
+    declared = {entry.name: str(entry.type) for entry in fields(kind)}
+    return {name: _checked(declared[name], value) for name, value in item.items()}
+
+
+def _checked(declared: str, value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, _JSON_TYPES.get(declared, (list,))):
+        raise TypeError(f"{str(value)[:20]!r} where {declared} is needed")
+    return float(value) if declared == "float" else value
+
+
+def _note(item: Any) -> Note:
+    values = _values(Note, item)
+    techniques = tuple(Technique(name) for name in values.get("techniques", ()))
+    return Note(**{**values, "techniques": techniques})
 
 
 MAX_FRET = 24
+MAX_CAPO = 12
 MAX_DURATION_S = 4 * 3600.0
 
 
@@ -174,31 +203,54 @@ def validate(tablature: Tablature, file: str | None = None) -> Tablature:
 
     Raises:
         TabError: On a number of strings other than six, a string or fret out of range, a
-            negative or absurd time, a tempo that is not positive.
+            negative or absurd time, a tempo that is not positive, two notes that begin on one
+            string at once.
     """
-    if len(tablature.tuning) != N_STRINGS:
-        reason = f"the part has {len(tablature.tuning)} strings"
-        raise TabError(reason, file=file, hint="six strings are needed")
-    if not 0 <= tablature.capo <= 12:
-        raise TabError(f"capo at fret {tablature.capo}", file=file, hint="0 to 12")
-    if not tablature.tempi or any(not 1 <= t.quarters_per_minute <= 2000 for t in tablature.tempi):
-        raise TabError("tempo out of range", file=file, hint="1 to 2000 quarter notes a minute")
+    reason = _complaint(tablature)
+    if reason:
+        raise TabError(reason, file=file)
     for note in tablature.notes:
-        reason = _complaint(note, tablature.capo)
+        reason = _note_complaint(note, tablature.capo)
         if reason:
-            raise TabError(reason[0], file=file, bar=note.bar, beat=note.beat, hint=reason[1])
-    if any(a.place > b.place for a, b in pairwise(tablature.notes)):
-        raise TabError("the notes are not in order of time", file=file)
+            raise TabError(reason, file=file, bar=note.bar, beat=note.beat)
+    for a, b in pairwise(tablature.notes):
+        if a.place > b.place:
+            raise TabError("the notes are not in order of time", file=file, bar=b.bar, beat=b.beat)
+        if a.place[:2] == b.place[:2]:
+            reason = f"two notes on string {b.string} at once"
+            raise TabError(reason, file=file, bar=b.bar, beat=b.beat)
     return tablature
 
 
-def _complaint(note: Note, capo: int) -> tuple[str, str] | None:
-    if not 1 <= note.string <= N_STRINGS:
-        return f"string {note.string}", "1 to 6"
-    if not 0 <= note.fret <= MAX_FRET - capo:
-        return f"fret {note.fret}", f"0 to {MAX_FRET - capo}"
-    if not 0 <= note.onset_s <= MAX_DURATION_S:
-        return f"onset at {note.onset_s:g} s", "0 to four hours"
-    if not 0 < note.duration_s <= MAX_DURATION_S:
-        return f"duration of {note.duration_s:g} s", "above 0"
-    return None
+def _complaint(tablature: Tablature) -> str:
+    """What is wrong with the piece, its notes aside."""
+    tempi = [tempo.quarters_per_minute for tempo in tablature.tempi]
+    times = [[m.onset_s for m in marks] for marks in (tablature.bars, tablature.tempi)]
+    n_strings, capo = len(tablature.tuning), tablature.capo
+    rules = (
+        (n_strings == N_STRINGS, f"the part has {n_strings} strings (six are needed)"),
+        (all(0 <= pitch <= 127 for pitch in tablature.tuning), "tuning out of range"),
+        (0 <= capo <= MAX_CAPO, f"capo at fret {capo} (0 to {MAX_CAPO})"),
+        (tempi, "no tempo"),
+        (all(1 <= t <= 2000 for t in tempi), "tempo out of range (1 to 2000 quarters a minute)"),
+        (all(map(isfinite, chain(*times))), "a time of a bar or tempo mark is not a number"),
+        (all(t == sorted(t) for t in times), "bars or tempo marks are not in order of time"),
+    )
+    return next((reason for holds, reason in rules if not holds), "")
+
+
+def _note_complaint(note: Note, capo: int) -> str:
+    highest = MAX_FRET - capo
+    rules = (
+        (1 <= note.string <= N_STRINGS, f"string {note.string} (1 to {N_STRINGS})"),
+        (0 <= note.fret <= highest, f"fret {note.fret} (0 to {highest})"),
+        (0 <= note.onset_s <= MAX_DURATION_S, f"onset at {note.onset_s:g} s (0 to four hours)"),
+        (0 < note.duration_s <= MAX_DURATION_S, f"duration of {note.duration_s:g} s (above 0)"),
+        (isfinite(note.beat), "beat that is not a number"),
+        (note.left_finger in (None, *range(5)), f"left finger {note.left_finger} (0 to 4)"),
+        (
+            note.right_finger in (None, *"pimac"),
+            f"right finger {note.right_finger} (p, i, m, a, c)",
+        ),
+    )
+    return next((reason for holds, reason in rules if not holds), "")
