@@ -161,6 +161,7 @@ def _length(row: list[RawBar], following: list[RawBar]) -> Fraction:
     if beats is None:
         return held or Fraction(4)
     full = Fraction(4 * beats[0], beats[1])
-    divided = any(bar.implicit or bar.repeat_times for bar in row)
-    divided = divided or any(bar.implicit for bar in following)
-    return held if held > full or (held and divided) else full
+    if held > full or any(bar.implicit for bar in row):
+        return held
+    halved = any(bar.repeat_times for bar in row) or any(bar.implicit for bar in following)
+    return held if held and halved else full
