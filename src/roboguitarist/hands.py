@@ -131,8 +131,9 @@ FOREARM_INERTIA = (0.0138, 0.0138, 0.00744)
 def add_hand(spec: mujoco.MjSpec, base: mujoco.MjsBody, side: Side, variant: Variant) -> None:
     """Add a hand to a model; its forearm becomes a part of `base`.
 
-    Bodies, joints, tendons, servos (`A_` + joint) and fingertip sites (`fftip` ...) carry the
-    prefix `lh_` or `rh_`. Masses are gravity compensated.
+    Bodies, joints, tendons, servos (`A_` + joint) and sites carry the prefix `lh_` or `rh_`.
+    Each finger has two sites: `fftip` in the centre of the fingertip's sphere and `ffnail` at
+    its end. Masses are gravity compensated.
 
     Args:
         spec: The model under construction.
@@ -147,7 +148,7 @@ def add_hand(spec: mujoco.MjSpec, base: mujoco.MjsBody, side: Side, variant: Var
     for link in LINKS:
         bodies[link.name] = _add_link(bodies[link.parent], link, prefix, mirror)
     for finger in FINGERS:
-        _add_fingertip(bodies[f"{finger.lower()}distal"], f"{prefix}{finger.lower()}tip")
+        _add_fingertip(bodies[f"{finger.lower()}distal"], prefix + finger.lower())
     _add_servos(spec, prefix)
     if variant == "linkage":
         _couple(spec, prefix)
@@ -182,8 +183,9 @@ def _add_link(
     return body
 
 
-def _add_fingertip(distal: mujoco.MjsBody, name: str) -> None:
-    distal.add_site(name=name, pos=(0, 0, TIP_Z_M), size=(0.002,) * 3, group=4)
+def _add_fingertip(distal: mujoco.MjsBody, stem: str) -> None:
+    for name, height in (("tip", TIP_Z_M), ("nail", TIP_Z_M + TIP_RADIUS_M)):
+        distal.add_site(name=stem + name, pos=(0, 0, height), size=(0.002,) * 3, group=4)
 
 
 def _add_servos(spec: mujoco.MjSpec, prefix: str) -> None:

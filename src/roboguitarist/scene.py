@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from roboguitarist.guitar import STRINGS, Guitar
 from roboguitarist.hands import FINGERS, PREFIX, Side, Variant, add_hand
@@ -21,11 +22,16 @@ _GUITAR, _LEFT, _RIGHT = 1, 2, 4
 
 LEFT_BASE_M = (0.0, 0.055, -0.350)
 """Forearm origin of the left hand at zero slides: knuckles level with the strings."""
-SLIDE_RANGE_M = {"x": (-0.06, 0.42), "y": (-0.06, 0.06), "z": (-0.08, 0.08)}
+SLIDE_RANGE_M = {"x": (-0.06, 0.42), "y": (-0.08, 0.10), "z": (-0.08, 0.08)}
 """Travel of the left forearm, wide enough for frets 1 to 15."""
 SLIDE_GAIN_N_M = 8000.0
 SLIDE_FORCE_N = 200.0
 """A human arm shifts 10 cm in about 150 ms, which for this hand's 4.3 kg takes up to 110 N."""
+RIGHT_BASE_M = (0.558, -0.326, 0.110)
+RIGHT_TURN_RAD, RIGHT_PITCH_RAD = 0.170, -0.058
+"""Fixed pose of the right forearm, found by least squares over all stroke points of p, i, m, a."""
+NAILS = ("rh_thnail", "rh_ffnail", "rh_mfnail", "rh_rfnail")
+"""Sites that pluck: p, i, m, a."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +49,7 @@ class SceneConfig:
     guitar: Guitar = field(default_factory=Guitar)
     hand: Variant = "linkage"
     sides: tuple[Side, ...] = ("left", "right")
-    timestep_s: float = 0.002
+    timestep_s: float = 1 / 480
     visuals: bool = True
 
 
@@ -60,6 +66,7 @@ def build_spec(config: SceneConfig) -> mujoco.MjSpec:
     """The model before it is compiled, for those who want to add to it."""
     spec = mujoco.MjSpec()
     spec.modelname = "roboguitarist"
+    spec.compiler.degree = False
     option = spec.option
     option.timestep = config.timestep_s
     option.gravity = (0, 9.81, 0)
@@ -74,10 +81,21 @@ def build_spec(config: SceneConfig) -> mujoco.MjSpec:
         _add_collision(spec, "left")
         _add_power_sensors(spec)
     if "right" in config.sides:
-        base = spec.worldbody.add_body(name="rh_forearm", pos=(0.6,-0.2,.1), quat=(1,0,0,0))
+        base = spec.worldbody.add_body(
+            name="rh_forearm", pos=RIGHT_BASE_M, quat=_right_orientation()
+        )
         add_hand(spec, base, "right", config.hand)
         _add_collision(spec, "right")
+        _add_nail_sensors(spec)
     return spec
+
+
+def _right_orientation() -> np.ndarray:
+    """Fingers towards string 1, palm towards the guitar, turned in the plane of the strings."""
+    # Columns: where the hand's x, y, z axes point in the guitar's frame before the turn.
+    upright = np.column_stack([(-1, 0, 0), (0, 0, 1), (0, 1, 0)])
+    turn = Rotation.from_euler("zx", [RIGHT_TURN_RAD, RIGHT_PITCH_RAD]).as_matrix()
+    return Rotation.from_matrix(turn @ upright).as_quat(scalar_first=True)
 
 
 def _add_neck(spec: mujoco.MjSpec, guitar: Guitar) -> None:
@@ -185,3 +203,13 @@ def _add_power_sensors(spec: mujoco.MjSpec) -> None:
                 objtype=mujoco.mjtObj.mjOBJ_ACTUATOR,
                 objname=actuator,
             )
+
+
+def _add_nail_sensors(spec: mujoco.MjSpec) -> None:
+    for site in NAILS:
+        spec.add_sensor(
+            name=site,
+            type=mujoco.mjtSensor.mjSENS_FRAMEPOS,
+            objtype=mujoco.mjtObj.mjOBJ_SITE,
+            objname=site,
+        )
