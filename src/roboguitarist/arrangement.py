@@ -22,6 +22,8 @@ SPAN, STRETCH = 3, 4
 BEAM_WIDTH = 16
 N_SHAPES = 12
 N_FINGERS = 4
+MAX_CHORD = 24
+"""Notes of one onset that are considered at all."""
 
 # Costs in frets of hand movement.
 _SHIFT = 1.0
@@ -144,7 +146,8 @@ def _shapes(options: list[list[Place]], chord: Sequence[Sound]) -> list[_Shape]:
     fixed = [k for k, o in enumerate(options) if len(o) == 1 and chord[k].fret is not None]
     free = sorted(set(range(len(options))) - set(fixed), key=lambda k: -chord[k].pitch)
     chosen: list[int] = []
-    for k in fixed + free[:1] + free[-1:] * (len(free) > 1) + free[1:-1]:
+    wanted = fixed + free[:1] + free[-1:] * (len(free) > 1) + free[1:-1]
+    for k in wanted[:MAX_CHORD]:
         if next(_fits(options, [*chosen, k], STRETCH), None) is not None:
             chosen.append(k)
     found = list(_fits(options, chosen, SPAN)) or list(_fits(options, chosen, STRETCH))

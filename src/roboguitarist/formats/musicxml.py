@@ -6,6 +6,7 @@ Format: https://www.w3.org/2021/06/musicxml40/
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from xml.etree.ElementTree import Element, SubElement
 
@@ -16,6 +17,7 @@ from roboguitarist.formats.musicxml_part import PartReader
 from roboguitarist.formats.musicxml_staves import one_staff
 from roboguitarist.formats.written import WrittenPart, WrittenScore
 from roboguitarist.formats.xml_tree import text
+from roboguitarist.tablature import STANDARD_TUNING, Technique
 
 _DRUM_CHANNEL = 10
 _BASS_PROGRAMS = range(33, 41)  # General MIDI, counted from 1
@@ -86,7 +88,30 @@ def _read_part(element: Element, header: Element, name: str) -> tuple[WrittenPar
         capo=details.capo,
         warnings=reader.warnings(),
     )
-    return replace(part, obstacle=_obstacle(header, part, reader.n_unpitched)), reader.bars
+    part = replace(
+        part,
+        obstacle=_obstacle(header, part, reader.n_unpitched),
+        warnings=(*part.warnings, *_contradictions(part, reader.bars)),
+    )
+    return part, reader.bars
+
+
+def _contradictions(part: WrittenPart, bars: list[RawBar]) -> Iterator[str]:
+    """Say whether string and fret, which are followed, give other notes than the pitches."""
+    tuning = part.tuning or STANDARD_TUNING
+    wrong = [
+        note
+        for note in part.notes
+        if note.string is not None
+        and note.fret is not None
+        and note.pitch is not None
+        and 1 <= note.string <= len(tuning)
+        and (tuning[note.string - 1] + part.capo + note.fret - note.pitch) % 12
+        and Technique.HARMONIC not in note.techniques
+    ]
+    if wrong:
+        first = f"bar {bars[wrong[0].bar].number}, beat {float(wrong[0].offset + 1):g}"
+        yield f"{first}: string and fret contradict the pitch in {len(wrong)} notes, the tab counts"
 
 
 def _obstacle(header: Element, part: WrittenPart, n_unpitched: int) -> str:

@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element
 
 from roboguitarist.errors import TabError
 from roboguitarist.formats.written import WrittenBar
-from roboguitarist.formats.xml_tree import integer, number, text
+from roboguitarist.formats.xml_tree import decimal, integer, text
 
 _UNITS = {
     "maxima": Fraction(32),
@@ -94,9 +94,7 @@ def read_sound(sound: Element, bar: RawBar, place: Fraction) -> None:
     """Take over tempo and signs from an element with playback instructions."""
     tempo = sound.get("tempo")
     if tempo is not None:
-        wrapped = Element("tempo")
-        wrapped.text = tempo
-        _set_tempo(bar, place, number(wrapped, "."))
+        _set_tempo(bar, place, decimal(tempo, "tempo"))
     for sign in ("segno", "coda", "tocoda", "fine", "dacapo", "dalsegno"):
         if sound.get(sign) not in (None, "no"):
             bar.signs.add(sign)
@@ -115,11 +113,10 @@ def read_metronome(metronome: Element, bar: RawBar, place: Fraction) -> str:
     return ""
 
 
-def _set_tempo(bar: RawBar, place: Fraction, tempo: Fraction | None) -> None:
-    if tempo is None or not SLOWEST <= tempo <= FASTEST:
-        shown = "missing" if tempo is None else f"{float(tempo):g}"
+def _set_tempo(bar: RawBar, place: Fraction, tempo: Fraction) -> None:
+    if not SLOWEST <= tempo <= FASTEST:
         hint = f"{SLOWEST} to {FASTEST} quarter notes a minute"
-        raise TabError(f"tempo {shown}", bar=bar.number, hint=hint)
+        raise TabError(f"tempo {float(tempo):g}", hint=hint)
     bar.tempi[place] = tempo
 
 

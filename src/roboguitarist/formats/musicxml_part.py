@@ -46,7 +46,7 @@ class PartReader:
         self._divisions = Fraction(1)
         self._signature: tuple[int, int] | None = (4, 4)
         self._ending: frozenset[int] = frozenset()
-        self._now = self._chord_start = Fraction(0)
+        self._now = self._chord_start = self._here = Fraction(0)
         self._grace: list[_Waiting] = []
         self._complaints: Counter[str] = Counter()
 
@@ -77,13 +77,14 @@ class PartReader:
                 self._read(element, bar)
             self._settle_grace(self._now)
         except TabError as error:
-            beat = float(self._now + 1)
+            beat = float(self._here + 1)
             raise TabError(error.reason, bar=bar.number, beat=beat, hint=error.hint) from error
         bar.signature = self._signature
         if bar.repeat_times:
             self._ending = frozenset()
 
     def _read(self, element: Element, bar: RawBar) -> None:
+        self._here = self._now if element.find("chord") is None else self._chord_start
         match element.tag:
             case "note":
                 self._read_note(element)

@@ -61,10 +61,10 @@ class StaffDetails:
 
     def n_strings(self, highest_used: int) -> int | None:
         """Number of strings, None if nothing tells."""
-        if self._lines:
-            return self._lines
         if len(self._tuning) == max(self._tuning, default=0) and len(self._tuning) > 3:
             return len(self._tuning)
+        if self._lines:
+            return self._lines
         return highest_used if highest_used > N_STRINGS else None
 
     def tuning(self) -> tuple[int, ...] | None:

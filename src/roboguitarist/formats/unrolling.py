@@ -13,6 +13,7 @@ from roboguitarist.formats.play_order import expand
 from roboguitarist.formats.tempo_map import TempoMap, bar_starts, tempo_map
 from roboguitarist.formats.written import WrittenBar, WrittenNote, WrittenPart, WrittenScore
 from roboguitarist.tablature import (
+    MAX_DURATION_S,
     N_STRINGS,
     STANDARD_TUNING,
     Bar,
@@ -24,6 +25,7 @@ from roboguitarist.tablature import (
 )
 
 MAX_PLAYED_NOTES = 100_000
+MAX_WARNINGS = 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +54,11 @@ def unroll(score: WrittenScore, part: WrittenPart, warnings: Sequence[str] = ())
     grace_lead_in = _lead_in(part, order)
     starts = bar_starts(score.bars, order, grace_lead_in)
     seconds = tempo_map(score.bars, order, starts)
+    if starts and seconds(starts[-1]) > MAX_DURATION_S:
+        raise TabError("the piece lasts more than four hours")
     played, clashes = _one_at_a_time(_merge_unisons(_play(part, order, starts, tuning)))
     placed, changes = _place(played, tuning, part.capo)
-    remarks = [_remark(score.bars, note, what) for note, what in clashes + changes]
+    remarks = _warnings(score.bars, clashes + changes)
     notes = [_note(p, seconds, score.bars[p.note.bar].number) for p in placed]
     tablature = Tablature(
         notes=tuple(sorted(_clear_for_grace(notes), key=lambda note: note.place)),
@@ -74,10 +78,6 @@ def _lead_in(part: WrittenPart, order: Sequence[int]) -> Fraction:
     """Time in quarter notes that grace notes before the first beat need."""
     first = (note.offset for note in part.notes if order and note.bar == order[0])
     return max(Fraction(0), -min(first, default=Fraction(0)))
-
-
-def _remark(bars: Sequence[WrittenBar], note: WrittenNote, what: str) -> str:
-    return f"bar {bars[note.bar].number}, beat {float(note.offset + 1):g}: {what}"
 
 
 def _play(
@@ -113,21 +113,19 @@ def _merge_unisons(played: list[_Played]) -> list[_Played]:
     """Make one note of a pitch that two voices begin together, or that a string has twice."""
     merged: list[_Played] = []
     for _, group in groupby(played, key=lambda p: p.start):
-        kept: list[_Played] = []
+        places: dict[tuple[int | None, int | None], int] = {}
+        pitches: dict[int, int] = {}
         for p in sorted(group, key=lambda p: not p.given):
-            twin = next((k for k, other in enumerate(kept) if _unison(other, p)), None)
-            if twin is None:
-                kept.append(p)
-            else:
-                kept[twin] = _join(kept[twin], p)
-        merged += kept
+            place = p.note.string, p.note.fret
+            twin = places.get(place) if p.given else pitches.get(p.pitch)
+            if twin is not None and (p.given or merged[twin].note.voice != p.note.voice):
+                merged[twin] = _join(merged[twin], p)
+                continue
+            pitches.setdefault(p.pitch, len(merged))
+            if p.given:
+                places[place] = len(merged)
+            merged.append(p)
     return merged
-
-
-def _unison(a: _Played, b: _Played) -> bool:
-    if a.given and b.given:
-        return (a.note.string, a.note.fret) == (b.note.string, b.note.fret)
-    return a.pitch == b.pitch and a.note.voice != b.note.voice
 
 
 def _join(a: _Played, b: _Played) -> _Played:
@@ -141,6 +139,17 @@ def _join(a: _Played, b: _Played) -> _Played:
 
 
 _Remarks = list[tuple[WrittenNote, str]]
+
+
+def _warnings(bars: Sequence[WrittenBar], remarks: _Remarks) -> list[str]:
+    """One line for each remark, repeated bars once, at most `MAX_WARNINGS`."""
+    lines = {
+        f"bar {bars[note.bar].number}, beat {float(note.offset + 1):g}: {what}": None
+        for note, what in remarks
+    }
+    shown = list(lines)[:MAX_WARNINGS]
+    more = len(lines) - len(shown)
+    return [*shown, f"and {more} more of this kind"] if more else shown
 
 
 def _one_at_a_time(played: list[_Played]) -> tuple[list[_Played], _Remarks]:

@@ -14,6 +14,8 @@ from roboguitarist.errors import TabError
 
 MAX_ELEMENTS = 2_000_000
 MAX_DEPTH = 100
+MAX_TAG_BYTES = 100_000
+_HUGE_TAG = re.compile(rb"<[^<>]{%d}" % MAX_TAG_BYTES)
 
 
 class _BoundedBuilder(TreeBuilder):
@@ -49,6 +51,8 @@ def parse(data: bytes) -> Element:
     Raises:
         TabError: If it is not well-formed, declares entities, or is too large or too deep.
     """
+    if _HUGE_TAG.search(data):
+        raise TabError(f"an XML tag of more than {MAX_TAG_BYTES} bytes")
     try:
         try:
             return _parse(data, None)
@@ -92,11 +96,18 @@ def number(element: Element, path: str) -> Fraction | None:
         TabError: If it is not a number, or one of absurd size.
     """
     found = text(element, path)
-    if not found:
-        return None
-    if len(found) > 20 or not _DECIMAL.fullmatch(found):
-        raise TabError(f"{path.rpartition('/')[2]} {found[:20]!r} is not a number")
-    return Fraction(found)
+    return decimal(found, path.rpartition("/")[2]) if found else None
+
+
+def decimal(written: str, name: str) -> Fraction:
+    """The number that is written, exactly.
+
+    Raises:
+        TabError: If it is not a number, or one of absurd size; the message says its name.
+    """
+    if len(written) > 20 or not _DECIMAL.fullmatch(written.strip()):
+        raise TabError(f"{name} {written[:20]!r} is not a number")
+    return Fraction(written.strip())
 
 
 def integer(element: Element, path: str) -> int | None:
