@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import mujoco
+import mujoco.rollout
 import numpy as np
 
-from roboguitarist import storage
+from roboguitarist import plucking, storage
+from roboguitarist.errors import RoboGuitaristError
+from roboguitarist.fingering import Fingering
+from roboguitarist.fretting import planner
+from roboguitarist.guitar import preset
+from roboguitarist.hands import VARIANTS, Variant
+from roboguitarist.plan import PLAN_HZ, HandPlan
+from roboguitarist.scene import SceneConfig, build
+from roboguitarist.sensing import DEAD, PRESS_THRESHOLD_N, left_power, plucks, stops
 from roboguitarist.tablature import Tablature
 
-PRESS_THRESHOLD_N = 1.0
-"""Normal force from which a string is fretted (the seed's training value)."""
-DEAD = -1
-"""Sounding fret of a string that is touched but not fretted."""
+__all__ = ["DEAD", "PRESS_THRESHOLD_N", "Performance", "PerformConfig", "perform"]
 
 
 @dataclass(frozen=True)
@@ -83,3 +91,162 @@ class Performance:
             RoboGuitaristError: If it is not such a file.
         """
         return storage.load(path, cls, {"tablature": Tablature.from_json})
+
+
+CONTROLLERS = ("planner",)
+
+
+@dataclass(frozen=True)
+class PerformConfig:
+    """How to perform.
+
+    Attributes:
+        hand: Variant of both hands, see `roboguitarist.hands.VARIANTS`.
+        guitar: Name of a guitar preset.
+        controller: What drives the left hand, one of `CONTROLLERS`.
+        control_hz: Ticks per second at which the performance is sampled.
+        seed: Written into the performance; the planner uses no chance.
+    """
+
+    hand: Variant = "linkage"
+    guitar: str = "classical"
+    controller: str = "planner"
+    control_hz: float = 30.0
+    seed: int = 0
+
+
+def perform(
+    fingering: Fingering,
+    config: PerformConfig | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Performance:
+    """Play a piece with both hands in physics.
+
+    The hands are placed where their plans begin; from then on only their servos move them.
+
+    Args:
+        fingering: What to play, with which fingers.
+        config: How to play it.
+        progress: Called with the share of the work that is done, from 0 to 1.
+
+    Returns:
+        What happened, the same for the same arguments.
+
+    Raises:
+        RoboGuitaristError: If the configuration names something that there is not.
+    """
+    config, progress = config or PerformConfig(), progress or (lambda _: None)
+    scene = scene_config(config)
+    progress(0.0)
+    right = plucking.plan(fingering, scene)
+    progress(0.2)
+    left = planner.plan(fingering, scene)
+    progress(0.6)
+    model = build(scene)
+    recording = simulate(model, left, right, lambda share: progress(0.6 + 0.4 * share))
+    return _observe(fingering, config, scene, model, recording)
+
+
+def scene_config(config: PerformConfig) -> SceneConfig:
+    """The scene in which `perform` plays, without what only the eye needs.
+
+    Raises:
+        RoboGuitaristError: If the configuration names something that there is not.
+    """
+    for kind, name, names in (
+        ("hand", config.hand, VARIANTS),
+        ("controller", config.controller, CONTROLLERS),
+    ):
+        if name not in names:
+            raise RoboGuitaristError(f"no {kind} {name!r} (there are {', '.join(names)})")
+    return SceneConfig(preset(config.guitar), config.hand, visuals=False)
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Every physics step of a simulation.
+
+    Attributes:
+        time_s: (S,) time after each step.
+        qpos: (S, nq) positions.
+        sensordata: (S, nsensordata) readings.
+    """
+
+    time_s: np.ndarray
+    qpos: np.ndarray
+    sensordata: np.ndarray
+
+
+CHUNK_STEPS = 4800
+"""Steps simulated in one call, so that progress can be told and memory stays bounded."""
+
+
+def simulate(
+    model: mujoco.MjModel,
+    left: HandPlan,
+    right: HandPlan,
+    progress: Callable[[float], None] | None = None,
+) -> Recording:
+    """Let the servos follow both plans.
+
+    Args:
+        model: Scene with both hands.
+        left, right: Their plans, over the same times.
+        progress: Called with the share that is done, from 0 to 1.
+    """
+    data = mujoco.MjData(model)
+    data.qpos[:] = np.concatenate([left.qpos[0], right.qpos[0]])
+    state = np.empty(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
+    mujoco.mj_getState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    substeps = round(1.0 / (PLAN_HZ * model.opt.timestep))
+    ctrl = np.repeat(np.hstack([left.ctrl, right.ctrl]), substeps, axis=0)
+    time_s = left.time_s[0] + model.opt.timestep * np.arange(1, len(ctrl) + 1)
+    qpos, readings = [], []
+    for start in range(0, len(ctrl), CHUNK_STEPS):
+        chunk = ctrl[start : start + CHUNK_STEPS]
+        states, sensordata = mujoco.rollout.rollout(model, data, state, chunk)
+        state = states[0, -1]
+        qpos.append(states[0, :, 1 : 1 + model.nq].astype(np.float32))
+        readings.append(sensordata[0].astype(np.float32))
+        if progress:
+            progress(min(1.0, (start + CHUNK_STEPS) / len(ctrl)))
+    return Recording(time_s, np.concatenate(qpos), np.concatenate(readings))
+
+
+def _observe(
+    fingering: Fingering,
+    config: PerformConfig,
+    scene: SceneConfig,
+    model: mujoco.MjModel,
+    recording: Recording,
+) -> Performance:
+    """Sample a simulation at the control ticks and at the plucks."""
+    tablature, guitar = fingering.tablature, scene.guitar
+    steps = round(1.0 / (config.control_hz * model.opt.timestep))
+    ticks = np.arange(steps - 1, len(recording.time_s), steps)
+    held = stops(model, recording.sensordata[ticks], guitar)
+    found = plucks(model, recording.sensordata, recording.time_s, guitar)
+    at_pluck = stops(model, recording.sensordata[found.step], guitar)
+    sounded = at_pluck.sounding_fret(tablature.capo)[np.arange(len(found.step)), found.string - 1]
+    power = left_power(model, recording.sensordata)[: len(ticks) * steps]
+    return Performance(
+        tablature=tablature,
+        left=fingering.left,
+        right=fingering.right,
+        time_s=recording.time_s[ticks],
+        qpos=recording.qpos[ticks],
+        press_force_n=held.force_n.astype(np.float32),
+        sounding_fret=held.sounding_fret(tablature.capo),
+        pluck_time_s=found.time_s,
+        pluck_string=found.string,
+        pluck_finger=found.finger,
+        pluck_fret=sounded,
+        pluck_speed_m_s=found.speed_m_s.astype(np.float32),
+        pluck_x_m=found.x_m.astype(np.float32),
+        power_w=power.reshape(-1, steps).mean(axis=1).astype(np.float32),
+        hand=config.hand,
+        guitar=config.guitar,
+        controller=config.controller,
+        control_hz=config.control_hz,
+        seed=config.seed,
+    )

@@ -1,0 +1,1 @@
+"""The left hand: which finger presses what, when, and how it gets there."""
