@@ -143,20 +143,25 @@ def _candidates(sound: Sound, open_pitches: Sequence[int], frets: range) -> list
 
 def _shapes(options: list[list[Place]], chord: Sequence[Sound]) -> list[_Shape]:
     """The cheapest shapes for the notes of one onset, leaving out notes only if need be."""
-    fixed = [k for k, o in enumerate(options) if len(o) == 1 and chord[k].fret is not None]
-    free = sorted(set(range(len(options))) - set(fixed), key=lambda k: -chord[k].pitch)
-    chosen: list[int] = []
+    fixed = [k for k, s in enumerate(chord) if s.string is not None and s.fret is not None]
+    free = sorted(set(range(len(chord))) - set(fixed), key=lambda k: -chord[k].pitch)
     wanted = fixed + free[:1] + free[-1:] * (len(free) > 1) + free[1:-1]
+    given = [options[k][0] for k in fixed]
+    chosen: list[int] = []
     for k in wanted[:MAX_CHORD]:
-        if next(_fits(options, [*chosen, k], STRETCH), None) is not None:
+        if next(_fits(options, [*chosen, k], given, STRETCH), None) is not None:
             chosen.append(k)
-    found = list(_fits(options, chosen, SPAN)) or list(_fits(options, chosen, STRETCH))
-    return sorted(found, key=_shape_cost)[:N_SHAPES]
+    fits = list(_fits(options, chosen, given, SPAN)) or list(_fits(options, chosen, given, STRETCH))
+    return sorted(fits, key=_shape_cost)[:N_SHAPES]
 
 
-def _fits(options: list[list[Place]], chosen: list[int], span: int) -> Iterator[_Shape]:
-    """All ways to place the chosen notes on different strings within a hand's reach."""
-    given = [options[k][0] for k in chosen if len(options[k]) == 1]
+def _fits(
+    options: list[list[Place]], chosen: list[int], given: list[Place], span: int
+) -> Iterator[_Shape]:
+    """All ways to place the chosen notes on different strings within a hand's reach.
+
+    Places given in advance may ask for more reach or fingers than a hand has.
+    """
     reach = max(span, _span(given))
     fingers = max(N_FINGERS, _fingers(given))
 

@@ -7,13 +7,14 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import groupby, pairwise
 
-from roboguitarist.arrangement import Sound, arrange, fold
+from roboguitarist.arrangement import Place, Sound, arrange, fold
 from roboguitarist.errors import TabError
 from roboguitarist.formats.play_order import expand
 from roboguitarist.formats.tempo_map import TempoMap, bar_starts, tempo_map
 from roboguitarist.formats.written import WrittenBar, WrittenNote, WrittenPart, WrittenScore
 from roboguitarist.tablature import (
     MAX_DURATION_S,
+    MAX_FRET,
     N_STRINGS,
     STANDARD_TUNING,
     Bar,
@@ -49,6 +50,7 @@ def unroll(score: WrittenScore, part: WrittenPart, warnings: Sequence[str] = ())
     Raises:
         TabError: If it cannot be played on a guitar, or repeats make it absurdly long.
     """
+    _check_places(score.bars, part)
     tuning = part.tuning or STANDARD_TUNING
     order = expand(score.bars)
     grace_lead_in = _lead_in(part, order)
@@ -59,7 +61,7 @@ def unroll(score: WrittenScore, part: WrittenPart, warnings: Sequence[str] = ())
     played, clashes = _one_at_a_time(_merge_unisons(_play(part, order, starts, tuning)))
     placed, changes = _place(played, tuning, part.capo)
     remarks = _warnings(score.bars, clashes + changes)
-    notes = [_note(p, seconds, score.bars[p.note.bar].number) for p in placed]
+    notes = [_note(p, place, seconds, score.bars[p.note.bar].number) for p, place in placed]
     tablature = Tablature(
         notes=tuple(sorted(_clear_for_grace(notes), key=lambda note: note.place)),
         bars=tuple(_bar(score.bars[k], seconds(s)) for k, s in zip(order, starts, strict=True)),
@@ -72,6 +74,19 @@ def unroll(score: WrittenScore, part: WrittenPart, warnings: Sequence[str] = ())
         warnings=(*warnings, *part.warnings, *remarks),
     )
     return validate(tablature)
+
+
+def _check_places(bars: Sequence[WrittenBar], part: WrittenPart) -> None:
+    highest = MAX_FRET - part.capo
+    for note in part.notes:
+        reason = ""
+        if note.string is not None and not 1 <= note.string <= N_STRINGS:
+            reason = f"string {note.string} (1 to {N_STRINGS})"
+        elif note.fret is not None and not 0 <= note.fret <= highest:
+            reason = f"fret {note.fret} (0 to {highest})"
+        if reason:
+            beat = float(note.offset + 1)
+            raise TabError(reason, part=part.name, bar=bars[note.bar].number, beat=beat)
 
 
 def _lead_in(part: WrittenPart, order: Sequence[int]) -> Fraction:
@@ -104,7 +119,7 @@ def _play(
 
 def _pitch(note: WrittenNote, tuning: Sequence[int], capo: int) -> int:
     """What string and fret give, else the written pitch."""
-    if note.string is not None and note.fret is not None and 1 <= note.string <= N_STRINGS:
+    if note.string is not None and note.fret is not None:
         return tuning[note.string - 1] + capo + note.fret
     return note.pitch or 0
 
@@ -171,7 +186,7 @@ def _one_at_a_time(played: list[_Played]) -> tuple[list[_Played], _Remarks]:
 
 def _place(
     played: list[_Played], tuning: Sequence[int], capo: int
-) -> tuple[list[_Played], _Remarks]:
+) -> tuple[list[tuple[_Played, Place]], _Remarks]:
     """Give a string and a fret to notes that lack one; say what had to be changed."""
     remarks: _Remarks = []
     sounds = []
@@ -186,7 +201,7 @@ def _place(
         if place is None:
             remarks.append((p.note, f"pitch {p.pitch} left out, no string in reach is free"))
         else:
-            placed.append(replace(p, note=replace(p.note, string=place.string, fret=place.fret)))
+            placed.append((p, place))
     return placed, remarks
 
 
@@ -194,12 +209,12 @@ def _bar(bar: WrittenBar, onset_s: float) -> Bar:
     return Bar(onset_s, bar.number, bar.beats, bar.beat_type)
 
 
-def _note(p: _Played, seconds: TempoMap, bar: int) -> Note:
+def _note(p: _Played, place: Place, seconds: TempoMap, bar: int) -> Note:
     onset = seconds(p.start)
     return Note(
         onset_s=onset,
-        string=p.note.string or 0,
-        fret=p.note.fret or 0,
+        string=place.string,
+        fret=place.fret,
         duration_s=round(seconds(p.end) - onset, 6),
         bar=bar,
         beat=round(float(p.note.offset + 1), 6),

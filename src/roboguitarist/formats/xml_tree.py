@@ -86,7 +86,7 @@ def text(element: Element | None, path: str = ".") -> str:
     return " ".join((found.text or "").split()) if found is not None else ""
 
 
-_DECIMAL = re.compile(r"[+-]?(\d{1,9}(\.\d*)?|\.\d+)")
+_DECIMAL = re.compile(r"[+-]?([0-9]{1,9}(\.[0-9]*)?|\.[0-9]+)")
 
 
 def number(element: Element, path: str) -> Fraction | None:
