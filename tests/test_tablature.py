@@ -47,6 +47,24 @@ def test_the_piece_ends_with_its_last_note(tablature):
     assert tablature.duration_s == max(ends, default=0)
 
 
+@given(tablatures(), st.floats(0.25, 4.0))
+def test_speed_divides_all_times_and_nothing_else(tablature, factor):
+    faster = tablature.at_speed(factor)
+    assert faster.duration_s == pytest.approx(tablature.duration_s / factor, abs=2e-6)
+    assert faster.tempi[0].quarters_per_minute == tablature.tempi[0].quarters_per_minute * factor
+    for before, after in zip(tablature.notes, faster.notes, strict=True):
+        assert after.onset_s == pytest.approx(before.onset_s / factor, abs=1e-6)
+        same_time = {"onset_s": before.onset_s, "duration_s": before.duration_s}
+        assert replace(after, **same_time) == before
+    assert tablature.at_speed(1.0) == tablature
+
+
+@pytest.mark.parametrize("factor", [0.0, -1.0, float("nan"), float("inf"), 11.0])
+def test_an_absurd_speed_is_refused(factor):
+    with pytest.raises(TabError, match="speed"):
+        Tablature((NOTE,)).at_speed(factor)
+
+
 @given(tablatures(min_notes=2, chord=1))
 def test_notes_out_of_order_are_refused(tablature):
     with pytest.raises(TabError, match="order"):

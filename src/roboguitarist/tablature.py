@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from enum import StrEnum
 from itertools import chain, pairwise
 from math import isfinite
@@ -13,6 +13,7 @@ from typing import Any
 from roboguitarist.errors import TabError
 
 N_STRINGS = 6
+MIN_SPEED, MAX_SPEED = 0.1, 10.0
 STANDARD_TUNING = (64, 59, 55, 50, 45, 40)
 """MIDI pitches of the open strings, string 1 (high E) first."""
 
@@ -130,6 +131,33 @@ class Tablature:
     def stopped_fret(self, note: Note) -> int:
         """Fret of the neck that a finger stops, counted from the nut; 0 for an open string."""
         return note.fret + self.capo if note.fret else 0
+
+    def at_speed(self, factor: float) -> Tablature:
+        """The same piece, `factor` times as fast; times are again whole microseconds.
+
+        Raises:
+            TabError: If the factor is not from 0.1 to 10, or a time or tempo gets out of range.
+        """
+        if not MIN_SPEED <= factor <= MAX_SPEED:
+            raise TabError(f"speed {factor:g} ({MIN_SPEED:g} to {MAX_SPEED:g} times the tempo)")
+
+        def scaled(time_s: float) -> float:
+            return round(time_s / factor, 6)
+
+        notes = (
+            replace(
+                note,
+                onset_s=scaled(note.onset_s),
+                duration_s=max(scaled(note.duration_s), 1e-6),
+            )
+            for note in self.notes
+        )
+        bars = (replace(bar, onset_s=scaled(bar.onset_s)) for bar in self.bars)
+        tempi = (
+            Tempo(scaled(tempo.onset_s), tempo.quarters_per_minute * factor) for tempo in self.tempi
+        )
+        in_order = sorted(notes, key=lambda note: note.place)
+        return validate(replace(self, notes=tuple(in_order), bars=tuple(bars), tempi=tuple(tempi)))
 
     def to_json(self) -> str:
         """This tablature as JSON text."""
