@@ -76,7 +76,7 @@ def test_folding_keeps_the_pitch_class_and_reaches_the_neck(pitch, tuning, capo)
     ],
 )
 def test_chords_take_their_usual_shapes(pitches, frets):
-    assert dict(places(chord(*pitches))) == frets
+    assert {place[0]: place[1] for place in places(chord(*pitches)) if place} == frets
 
 
 def test_the_c_major_scale_stays_in_the_open_position():
