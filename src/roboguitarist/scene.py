@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from roboguitarist.guitar import STRINGS, Guitar
 from roboguitarist.hands import FINGERS, PREFIX, Side, Variant, add_hand
+from roboguitarist.looks import dress
 
 CONTACTS_PER_STRING = 4
 """Contacts that a string's sensor reports, the largest force first."""
@@ -87,6 +88,8 @@ def build_spec(config: SceneConfig) -> mujoco.MjSpec:
         add_hand(spec, base, "right", config.hand)
         _add_collision(spec, "right")
         _add_nail_sensors(spec)
+    if config.visuals:
+        dress(spec, config.guitar, config.sides)
     return spec
 
 
