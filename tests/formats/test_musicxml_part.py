@@ -33,7 +33,6 @@ def test_notes_follow_each_other_and_rests_take_time():
 def test_a_chord_starts_together():
     body = note("C4") + note("E4", inside=CHORD) + note("G4", inside=CHORD) + note("C5")
     assert times(body) == [(0, 0, 1, 60), (0, 0, 1, 64), (0, 0, 1, 67), (0, 1, 1, 72)]
-    assert [n.chord for n in read(body).notes] == [False, True, True, False]
 
 
 def test_backup_and_forward_move_without_sound():

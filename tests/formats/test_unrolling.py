@@ -119,7 +119,7 @@ def test_two_voices_on_one_pitch_are_one_note():
 
 
 def test_the_same_pitch_twice_in_a_chord_takes_two_strings():
-    tablature = play(TWO_BARS, note(0, 0, 1, 64), note(0, 0, 1, 64, chord=True))
+    tablature = play(TWO_BARS, note(0, 0, 1, 64), note(0, 0, 1, 64))
     assert {n.string for n in tablature.notes} == {1, 2}
 
 

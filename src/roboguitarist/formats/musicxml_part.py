@@ -159,19 +159,18 @@ class PartReader:
             self._chord_start = self._now
             self._now += length
         if element.find("rest") is None and element.find("cue") is None:
-            self._add(element, start, length, chord)
+            self._add(element, start, length)
 
     def _settle_grace(self, beat: Fraction) -> None:
         """Place waiting grace notes one after the other just before the beat."""
         slots = len({waiting.slot for waiting in self._grace})
         for waiting in self._grace:
             start = beat - (slots - waiting.slot) * GRACE_LENGTH
-            chord = waiting.element.find("chord") is not None
             if waiting.element.find("rest") is None and waiting.element.find("cue") is None:
-                self._add(waiting.element, start, GRACE_LENGTH, chord)
+                self._add(waiting.element, start, GRACE_LENGTH)
         self._grace.clear()
 
-    def _add(self, element: Element, start: Fraction, length: Fraction, chord: bool) -> None:
+    def _add(self, element: Element, start: Fraction, length: Fraction) -> None:
         if element.find("unpitched") is not None:
             self.n_unpitched += 1
             self._complaints["a note without pitch is left out"] += 1
@@ -179,15 +178,13 @@ class PartReader:
         if length == 0:
             self._complaints["a note without duration is left out"] += 1
             return
-        note = self._note(element, start, length, chord)
+        note = self._note(element, start, length)
         if note.pitch is None and (note.string is None or note.fret is None):
             self._complaints["a note without pitch, or string and fret, is left out"] += 1
             return
         self.notes.append(note)
 
-    def _note(
-        self, element: Element, start: Fraction, length: Fraction, chord: bool
-    ) -> WrittenNote:
+    def _note(self, element: Element, start: Fraction, length: Fraction) -> WrittenNote:
         staff = integer(element, "staff") or 1
         written = next((pitch(found) for found in element.iterfind("pitch")), None)
         left, right = fingers(element)
@@ -203,7 +200,6 @@ class PartReader:
             voice=max(1, integer(element, "voice") or 1) if _numbered(element) else 1,
             staff=staff,
             tied=any(tie.get("type") == "stop" for tie in _ties(element)),
-            chord=chord,
             techniques=techniques(element),
             left_finger=left,
             right_finger=right,

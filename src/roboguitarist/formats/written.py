@@ -20,7 +20,6 @@ class WrittenNote:
         string, fret: As written, if written.
         voice, staff: From 1.
         tied: Continues the note of this pitch that ends where it begins.
-        chord: Belongs to the same chord as the note before it in the file.
         techniques: In alphabetical order, without repeats.
         left_finger, right_finger: As marked, if marked.
     """
@@ -34,7 +33,6 @@ class WrittenNote:
     voice: int = 1
     staff: int = 1
     tied: bool = False
-    chord: bool = False
     techniques: tuple[Technique, ...] = ()
     left_finger: int | None = None
     right_finger: str | None = None
