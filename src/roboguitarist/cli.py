@@ -1,0 +1,201 @@
+"""The command line `roboguitarist`.
+
+Heavy modules are imported inside the commands, so that help and complaints come at once.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import redirect_stderr
+from dataclasses import dataclass
+from io import StringIO, TextIOWrapper
+from itertools import dropwhile, takewhile
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from roboguitarist import __version__
+from roboguitarist.errors import RoboGuitaristError
+
+PROG = "roboguitarist"
+Score = Annotated[str, tyro.conf.arg(metavar="SCORE"), tyro.conf.Positional]
+Track = Annotated[str | None, tyro.conf.arg(metavar="N")]
+UNUSABLE, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
+"""Exit statuses; the last two are what a shell reports for the signals."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """How a score is played.
+
+    Attributes:
+        controller: What drives the left hand.
+        hand: Hand variant: fingers with coupled joints, or tendons as on the published hand.
+        track: Part of the score, by number from 1 or by name; by default the first guitar.
+        speed: Factor of the tempo.
+        seed: Seed of everything random.
+    """
+
+    controller: Literal["planner"] = "planner"
+    hand: Literal["linkage", "tendon"] = "linkage"
+    track: Track = None
+    speed: float = 1.0
+    seed: int = 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Play(Options):
+    """Play a score: write its video, sound, recording and metrics.
+
+    NAME is the score's name without suffix; the files are NAME.mp4, NAME.wav, NAME.npz and
+    NAME.json.
+
+    Attributes:
+        score: Score file, or name of a piece of the repertoire.
+        out: Folder to write to.
+        no_video: Leave out the video.
+        camera: Where the video is seen from.
+    """
+
+    score: Score
+    out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("out")
+    no_video: bool = False
+    camera: Literal["front", "left", "right", "player"] = "front"
+
+    def run(self) -> None:
+        """Do what the command says."""
+        from roboguitarist import cli_play  # noqa: PLC0415
+
+        cli_play.play(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evaluate(Options):
+    """Play scores without sound and video, and print the metrics.
+
+    Attributes:
+        scores: Score files, or names of pieces of the repertoire.
+        json: Write the metrics to this file, too.
+    """
+
+    scores: Annotated[tuple[Score, ...], tyro.conf.arg(metavar="SCORE..."), tyro.conf.Positional]
+    json: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+
+    def run(self) -> None:
+        """Do what the command says."""
+        from roboguitarist import cli_play  # noqa: PLC0415
+
+        cli_play.evaluate(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finger:
+    """Print the tablature of a score with the fingers of both hands.
+
+    Attributes:
+        score: Score file, or name of a piece of the repertoire.
+        track: Part of the score, by number from 1 or by name; by default the first guitar.
+    """
+
+    score: Score
+    track: Track = None
+
+    def run(self) -> None:
+        """Do what the command says."""
+        from roboguitarist import cli_play  # noqa: PLC0415
+
+        cli_play.finger(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pieces:
+    """List the pieces of the repertoire.
+
+    Attributes:
+        names: Print bare names, one a line.
+    """
+
+    names: bool = False
+
+    def run(self) -> None:
+        """Do what the command says."""
+        from roboguitarist import cli_report, pieces  # noqa: PLC0415
+
+        names = "\n".join(pieces.names())
+        print(names if self.names else cli_report.repertoire())
+
+
+Command = (
+    Annotated[Play, tyro.conf.subcommand("play")]
+    | Annotated[Evaluate, tyro.conf.subcommand("evaluate")]
+    | Annotated[Finger, tyro.conf.subcommand("finger")]
+    | Annotated[Pieces, tyro.conf.subcommand("pieces")]
+)
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit status.
+
+    Args:
+        args: Arguments after the program's name; by default those of the process.
+    """
+    args = list(sys.argv[1:] if args is None else args)
+    if isinstance(sys.stdout, TextIOWrapper):
+        sys.stdout.reconfigure(errors="replace")  # a terminal without ü shows Für Elise as it can
+    try:
+        if args == ["--version"]:
+            print(PROG, __version__)
+        else:
+            parse(args).run()
+        sys.stdout.flush()
+    except RoboGuitaristError as error:
+        print(f"{PROG}: {error}", file=sys.stderr)
+        return UNUSABLE
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except OSError as error:
+        # Nothing more can be printed; the interpreter must not try again when it exits.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if isinstance(error, BrokenPipeError):
+            return BROKEN_PIPE
+        print(f"{PROG}: {error.strerror or error}", file=sys.stderr)
+        return UNUSABLE
+    return 0
+
+
+def parse(args: Sequence[str]) -> Play | Evaluate | Finger | Pieces:
+    """The command that the arguments ask for.
+
+    Raises:
+        RoboGuitaristError: On arguments that make no sense.
+        SystemExit: After printing help.
+    """
+    complaint = StringIO()
+    try:
+        with redirect_stderr(complaint):
+            return tyro.cli(
+                Command,  # pyright: ignore[reportArgumentType] - a union is a type for tyro
+                prog=PROG,
+                description=f"{PROG} {__version__}: robotic hands play guitar tablature.",
+                args=args,
+                config=(tyro.conf.FlagCreatePairsOff, tyro.conf.ConsolidateSubcommandArgs),
+            )
+    except SystemExit as stop:
+        if stop.code in (0, None):
+            raise
+        reason = f"{_one_line(complaint.getvalue())} (see {PROG} --help)"
+        raise RoboGuitaristError(reason) from None
+
+
+def _one_line(box: str) -> str:
+    """What tyro says in a box of many lines, from under its title to the next rule."""
+    lines = dropwhile(_is_rule, box.splitlines()[1:])
+    text = " ".join(line.strip("│ ") for line in takewhile(lambda line: not _is_rule(line), lines))
+    return text.rstrip(".") or "unusable arguments"
+
+
+def _is_rule(line: str) -> bool:
+    return not line.strip("│╰─╯- ")

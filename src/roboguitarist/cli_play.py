@@ -1,0 +1,240 @@
+"""What the commands do: from a score to its performance and the files that come of it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import sys
+import tempfile
+import time
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from tqdm import tqdm
+
+from roboguitarist import cli_report, formats, pieces, storage
+from roboguitarist.errors import RoboGuitaristError
+from roboguitarist.tablature import Tablature
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from roboguitarist.alignment import Miss
+    from roboguitarist.cli import Evaluate, Finger, Options, Play
+    from roboguitarist.metrics import Metrics
+    from roboguitarist.performance import Performance
+
+
+@dataclass(frozen=True)
+class Playing:
+    """One score as it was played.
+
+    Attributes:
+        name: The score's name without folder and suffix.
+        performance: What the physics did.
+        metrics: How good it was.
+        misses: The notes that were not right.
+    """
+
+    name: str
+    performance: Performance
+    metrics: Metrics
+    misses: tuple[Miss, ...]
+
+    def row(self) -> tuple[str, ...]:
+        """The row in the table of metrics."""
+        return cli_report.metrics_row(self.name, self.metrics, self.misses)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The JSON object of the command line."""
+        return {
+            "name": self.name,
+            "controller": self.performance.controller,
+            "hand": self.performance.hand,
+            "seed": self.performance.seed,
+            "metrics": self.metrics.as_dict(),
+            "misses": dict(Counter(miss.cause.value for miss in self.misses)),
+        }
+
+
+def play(command: Play) -> None:
+    """Write a score's recording, sound, metrics and video, and print the metrics.
+
+    Raises:
+        RoboGuitaristError: If the score cannot be used or the files cannot be written.
+    """
+    name, tablature = read(command.score, command.track, command.speed)
+    paths = output_paths(command.out, name, command.score)
+
+    from roboguitarist import sound  # noqa: PLC0415
+
+    seconds: dict[str, float] = {}
+    performance = perform(name, tablature, command, seconds)
+    start = time.perf_counter()
+    samples = sound.synthesize(performance)
+    seconds["sound"] = time.perf_counter() - start
+    playing = assess(name, performance, seconds)
+    performance.save(paths["npz"])
+    sound.write_wav(paths["wav"], samples)
+    write_json(paths["json"], playing.as_dict())
+    print(cli_report.metrics_table([playing.row()]))
+    for line in cli_report.shortened(map(str, playing.misses)):
+        print(line)
+    if not command.no_video:
+        film(paths["mp4"], performance, samples, command.camera)
+
+
+def evaluate(command: Evaluate) -> None:
+    """Play scores one after the other and print their metrics.
+
+    Raises:
+        RoboGuitaristError: If a score cannot be used or the file cannot be written.
+    """
+    if not command.scores:
+        raise RoboGuitaristError("no score (name a file or a piece, such as twinkle)")
+    if command.json:
+        check_folder(command.json.parent)
+    tablatures = [read(score, command.track, command.speed) for score in command.scores]
+    playings = []
+    for name, tablature in tablatures:
+        seconds: dict[str, float] = {}
+        performance = perform(name, tablature, command, seconds)
+        playings.append(assess(name, performance, seconds))
+    print(cli_report.metrics_table([playing.row() for playing in playings]))
+    if command.json:
+        write_json(command.json, [playing.as_dict() for playing in playings])
+
+
+def finger(command: Finger) -> None:
+    """Print a score's tablature with the fingers of both hands.
+
+    Raises:
+        RoboGuitaristError: If the score cannot be used.
+    """
+    from roboguitarist import engraving, fingering  # noqa: PLC0415
+
+    _, tablature = read(command.score, command.track)
+    width = shutil.get_terminal_size().columns
+    print(engraving.render(fingering.assign(tablature), width), end="")
+
+
+def read(score: str, track: str | None = None, speed: float = 1.0) -> tuple[str, Tablature]:
+    """Name and tablature of a score file or a piece of the repertoire.
+
+    What was read otherwise than written is said on stderr.
+
+    Raises:
+        RoboGuitaristError: If there is no such score, or it cannot be used.
+    """
+    path = Path(score)
+    is_name = score in pieces.names() or not (path.suffix or path.parent.name or path.exists())
+    path = pieces.path(score) if is_name else path
+    tablature = formats.load(path, track).at_speed(speed)
+    complain(path.stem, tablature.warnings)
+    return path.stem, tablature
+
+
+def complain(name: str, lines: Iterable[str]) -> None:
+    """Say on stderr what is not as the score asks."""
+    for line in cli_report.shortened(lines):
+        print(f"roboguitarist: {name}: {line}", file=sys.stderr)
+
+
+def perform(
+    name: str, tablature: Tablature, options: Options, seconds: dict[str, float]
+) -> Performance:
+    """Play a tablature; the wall time that this took is added to `seconds`."""
+    from roboguitarist import fingering, performance  # noqa: PLC0415
+
+    config = performance.PerformConfig(
+        hand=options.hand, controller=options.controller, seed=options.seed
+    )
+    start = time.perf_counter()
+    fingered = fingering.assign(tablature)
+    complain(name, fingered.problems)
+    with progress_bar(name) as progress:
+        played = performance.perform(fingered, config, progress)
+    seconds["performance"] = time.perf_counter() - start
+    return played
+
+
+@contextmanager
+def progress_bar(name: str) -> Iterator[Callable[[float], None]]:
+    """A bar on stderr, if that is a terminal, and what to call with the share that is done."""
+    layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}"
+    with tqdm(total=100, desc=name, bar_format=layout, disable=None, leave=False) as bar:
+
+        def show(share: float) -> None:
+            bar.update(round(100 * share) - bar.n)
+
+        yield show
+
+
+def assess(name: str, performance: Performance, seconds: dict[str, float]) -> Playing:
+    """Metrics and misses of a performance whose stages took so many seconds."""
+    from roboguitarist import alignment, metrics  # noqa: PLC0415
+
+    length_s = performance.tablature.duration_s
+    speed = {stage: length_s / elapsed for stage, elapsed in seconds.items()}
+    measured = metrics.evaluate(performance, speed=speed)
+    return Playing(name, performance, measured, alignment.misses(performance))
+
+
+def film(path: Path, performance: Performance, samples: np.ndarray, camera: str) -> None:
+    """Make the video; on a machine that cannot, say what is missing and go on.
+
+    Raises:
+        RoboGuitaristError: If the file cannot be written.
+    """
+    from roboguitarist import video  # noqa: PLC0415
+
+    try:
+        with progress_bar(path.name) as progress:
+            video.render(performance, path, camera=camera, samples=samples, progress=progress)
+    except video.UnavailableError as error:
+        print(f"roboguitarist: no video: {error}", file=sys.stderr)
+
+
+def output_paths(folder: Path, name: str, score: str) -> dict[str, Path]:
+    """Where the outputs of `play` go, by suffix; checked before long work begins.
+
+    Raises:
+        RoboGuitaristError: If the folder cannot be written, or an output would replace the score.
+    """
+    check_folder(folder)
+    paths = {suffix: folder / f"{name}.{suffix}" for suffix in ("npz", "wav", "json", "mp4")}
+    for path in paths.values():
+        if path.exists() and Path(score).exists() and path.samefile(score):
+            raise RoboGuitaristError(f"{path} would replace the score (choose another --out)")
+    return paths
+
+
+def check_folder(folder: Path) -> None:
+    """Make sure that a folder is there and can be written to, before long work begins.
+
+    Raises:
+        RoboGuitaristError: If not.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise RoboGuitaristError(
+            f"cannot write to folder {folder}: {error.strerror or error}"
+        ) from error
+
+
+def write_json(path: Path, item: Any) -> None:
+    """Write an object as JSON; the file appears when it is complete.
+
+    Raises:
+        RoboGuitaristError: If it cannot be written.
+    """
+    text = json.dumps(item, ensure_ascii=False, indent=1, allow_nan=False)
+    with storage.replacing(path) as temporary:
+        temporary.write_text(text + "\n", encoding="utf-8")

@@ -1,0 +1,362 @@
+import io
+import json
+import os
+import subprocess
+import sys
+import time
+import wave
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from builders import perfect
+from roboguitarist import __version__, cli_play, performance, pieces
+from roboguitarist.cli import Evaluate, Finger, Pieces, Play, main, parse
+from roboguitarist.performance import Performance
+from roboguitarist.tablature import Note, Tablature
+
+TAB = Tablature((Note(0.0, 3, 0, 0.4), Note(0.5, 2, 1, 0.5), Note(1.0, 1, 3, 0.5)), title="Three")
+RUN = [sys.executable, "-c", "import sys; from roboguitarist.cli import main; sys.exit(main())"]
+NOTE = (
+    "<note><pitch><step>C</step><octave>4</octave></pitch><duration>{duration}</duration>"
+    "<notations><technical><string>{string}</string><fret>{fret}</fret></technical></notations>"
+    "</note>"
+)
+CONTAINER = '<container><rootfiles><rootfile full-path="score.xml"/></rootfiles></container>'
+
+
+@pytest.fixture
+def tab(tmp_path):
+    path = tmp_path / "three.json"
+    path.write_text(TAB.to_json())
+    return str(path)
+
+
+@pytest.fixture
+def no_physics(monkeypatch):
+    def perform(fingering, config, progress):
+        progress(1.0)
+        return perfect(fingering.tablature)
+
+    monkeypatch.setattr(performance, "perform", perform)
+
+
+def score(attributes="", header="", **note):
+    note = NOTE.format(**{"duration": 4, "string": 2, "fret": 1, **note})
+    return (
+        '<?xml version="1.0"?><score-partwise><part-list><score-part id="P1">'
+        f'<part-name>Part</part-name>{header}</score-part></part-list><part id="P1">'
+        f'<measure number="1"><attributes><divisions>4</divisions>{attributes}</attributes>'
+        f"{note}</measure></part></score-partwise>"
+    ).encode()
+
+
+def archive(content):
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as file:
+        file.writestr("META-INF/container.xml", CONTAINER)
+        file.writestr("score.xml", content)
+    return buffer.getvalue()
+
+
+def complaint(capsys):
+    """The one line on stderr of a command that found its input unusable."""
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("roboguitarist: ")
+    assert err.endswith("\n")
+    assert len(err.splitlines()) == 1
+    assert "Traceback" not in err
+    return err
+
+
+LOLS = "".join(f'<!ENTITY l{k} "{f"&l{k - 1};" * 10}">' for k in range(1, 10))
+ENTITY_BOMB = f'<?xml version="1.0"?><!DOCTYPE s [<!ENTITY l0 "lol">{LOLS}]><s>&l9;</s>'.encode()
+BASS_TUNING = "".join(
+    f'<staff-tuning line="{line}"><tuning-step>{step}</tuning-step>'
+    f"<tuning-octave>{octave}</tuning-octave></staff-tuning>"
+    for line, (step, octave) in enumerate((("E", 1), ("A", 1), ("D", 2), ("G", 2)), 1)
+)
+DRUMS = "<midi-instrument id='I1'><midi-channel>10</midi-channel></midi-instrument>"
+UNUSABLE = {
+    "missing.musicxml": (None, "no such file"),
+    "empty.musicxml": (b"", "empty"),
+    "picture.musicxml": (b"\x89PNG\r\n\x1a\n" + bytes(100), "PNG"),
+    "cut.musicxml": (score()[:-60], "XML"),
+    "cut.mxl": (archive(score())[:-40], "archive"),
+    "entities.musicxml": (ENTITY_BOMB, "entit"),
+    "bomb.mxl": (archive(bytes(60_000_000)), "unpacks to more than"),
+    "seven.musicxml": (
+        score(attributes="<staff-details><staff-lines>7</staff-lines></staff-details>", string=7),
+        "7 strings",
+    ),
+    "bass.musicxml": (
+        score(
+            attributes=f"<staff-details><staff-lines>4</staff-lines>{BASS_TUNING}</staff-details>"
+        ),
+        "bass",
+    ),
+    "drums.musicxml": (score(header=DRUMS), "drum"),
+    "fret.musicxml": (score(fret=37), "fret 37"),
+    "duration.musicxml": (score(duration=-4), "duration"),
+    "notes.txt": (b"C D E F", "not a score"),
+}
+
+
+@pytest.mark.parametrize("name", UNUSABLE)
+@pytest.mark.parametrize("command", ["play", "evaluate", "finger"])
+def test_an_unusable_score_gives_one_line_and_leaves_nothing(command, name, tmp_path, capsys):
+    content, reason = UNUSABLE[name]
+    if content is not None:
+        (tmp_path / name).write_bytes(content)
+    before = sorted(tmp_path.iterdir())
+    options = {"play": ["--out", str(tmp_path / "out")], "evaluate": [], "finger": []}
+    start = time.perf_counter()
+    assert main([command, str(tmp_path / name), *options[command]]) == 2
+    assert time.perf_counter() - start < 5
+    line = complaint(capsys)
+    assert name in line
+    assert reason in line
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_no_piece_of_that_name_lists_those_that_there_are(capsys):
+    assert main(["finger", "twinkel"]) == 2
+    line = complaint(capsys)
+    assert "did you mean twinkle?" in line
+    assert all(name in line for name in pieces.names())
+
+
+@pytest.mark.parametrize(
+    ("args", "reason"),
+    [
+        ([], "play"),
+        (["sing", "twinkle"], "sing"),
+        (["play"], "SCORE"),
+        (["play", "twinkle", "--hand", "claw"], "linkage"),
+        (["play", "twinkle", "--controller", "me"], "planner"),
+        (["play", "twinkle", "--louder"], "--louder"),
+        (["play", "twinkle", "--seed", "x"], "--seed"),
+        (["play", "twinkle", "--speed", "0"], "speed 0 (0.1 to 10"),
+        (["finger", "twinkle", "--track", "2"], "no part '2'"),
+        (["evaluate"], "no score"),
+    ],
+)
+def test_arguments_that_make_no_sense_give_one_line(args, reason, capsys):
+    assert main(args) == 2
+    assert reason in complaint(capsys)
+
+
+def test_every_command_parses_its_defaults():
+    assert parse(["play", "x"]) == Play(score="x", out=Path("out"))
+    assert parse(["evaluate", "x", "y"]) == Evaluate(scores=("x", "y"))
+    assert parse(["finger", "x"]) == Finger(score="x")
+    assert parse(["pieces"]) == Pieces(names=False)
+    assert parse(["play", "x"]) == parse(
+        "play x --controller planner --hand linkage --speed 1.0 --seed 0 --camera front".split()
+    )
+
+
+@pytest.mark.parametrize(
+    ("args", "words"),
+    [
+        (["--help"], ["play", "evaluate", "finger", "pieces"]),
+        (["play", "--help"], ["--out DIR", "--no-video", "--speed", "--track N", "--seed"]),
+        (["evaluate", "--help"], ["--json FILE", "--hand {linkage,tendon}"]),
+    ],
+)
+def test_help_names_what_there_is(args, words, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(args)
+    assert stop.value.code in (0, None)
+    out, err = capsys.readouterr()
+    assert all(word in out for word in words)
+    assert err == ""
+
+
+def test_version(capsys):
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"roboguitarist {__version__}\n"
+
+
+def test_pieces_by_name_and_as_a_table(capsys):
+    assert main(["pieces", "--names"]) == 0
+    assert capsys.readouterr().out.split() == list(pieces.names())
+    assert main(["pieces"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 2 + len(pieces.PIECES)
+    assert len({len(line) for line in lines}) == 1
+
+
+def test_finger_prints_the_tab_and_every_piece_is_found_by_name(capsys):
+    assert main(["finger", "fur-elise"]) == 0
+    out, err = capsys.readouterr()
+    assert "Für Elise" in out
+    assert err == ""
+
+
+def test_play_writes_what_it_played(tab, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["play", tab, "--out", str(out), "--no-video"]) == 0
+    assert sorted(path.name for path in out.iterdir()) == ["three.json", "three.npz", "three.wav"]
+    recording = Performance.load(out / "three.npz")
+    assert recording.tablature == TAB
+    assert recording.pluck_string.tolist() == [3, 2, 1]
+    with wave.open(str(out / "three.wav")) as file:
+        assert file.getparams()[:3] == (2, 2, 44100)
+        assert file.getnframes() / 44100 > TAB.duration_s
+        assert np.frombuffer(file.readframes(44100), "<i2").any()
+    report = json.loads((out / "three.json").read_text())
+    assert {key: report[key] for key in ("name", "controller", "hand", "seed")} == {
+        "name": "three", "controller": "planner", "hand": "linkage", "seed": 0,
+    }  # fmt: skip
+    assert {"frame", "frame_free", "note", "onset", "timing_ms", "motion"} <= set(report["metrics"])
+    assert set(report["metrics"]["speed"]) == {"performance", "sound"}
+    assert "three" in capsys.readouterr().out
+
+
+def test_play_twice_gives_the_same_bytes(tab, tmp_path):
+    for folder in ("a", "b"):
+        assert main(["play", tab, "--out", str(tmp_path / folder), "--no-video"]) == 0
+    for name in ("three.npz", "three.wav"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
+
+
+def test_speed_and_hand_reach_the_performance(tab, tmp_path):
+    args = ["play", tab, "--out", str(tmp_path), "--no-video", "--hand", "tendon", "--speed", "2"]
+    assert main([*args, "--seed", "7", "--out", str(tmp_path / "out")]) == 0
+    recording = Performance.load(tmp_path / "out" / "three.npz")
+    assert (recording.hand, recording.seed) == ("tendon", 7)
+    assert recording.tablature == TAB.at_speed(2)
+
+
+@pytest.mark.usefixtures("no_physics")
+def test_evaluate_prints_a_row_for_each_score_and_writes_a_list(tab, tmp_path, capsys):
+    file = tmp_path / "deep" / "metrics.json"
+    assert main(["evaluate", tab, "twinkle", "--json", str(file)]) == 0
+    out, err = capsys.readouterr()
+    assert [line.split()[1] for line in out.splitlines()[2:]] == ["three", "twinkle"]
+    assert err == ""
+    reports = json.loads(file.read_text())
+    assert [report["name"] for report in reports] == ["three", "twinkle"]
+    assert reports[1]["metrics"]["note"] == {"precision": 1.0, "recall": 1.0, "f1": 1.0}
+    assert reports[1]["misses"] == {}
+
+
+@pytest.mark.usefixtures("no_physics")
+def test_a_piece_without_notes_has_no_score(tmp_path, capsys):
+    (tmp_path / "rest.json").write_text(Tablature(()).to_json())
+    assert main(["evaluate", str(tmp_path / "rest.json")]) == 0
+    assert capsys.readouterr().out.splitlines()[2].split()[3:10:2] == ["-"] * 4
+
+
+@pytest.mark.usefixtures("no_physics")
+def test_what_was_not_played_as_written_is_said_on_stderr(tmp_path, capsys):
+    chord = [Note(0.0, 1, 1, 1.0, bar=3), Note(0.0, 2, 12, 1.0, bar=3)]
+    (tmp_path / "wide.json").write_text(Tablature(tuple(chord)).to_json())
+    assert main(["evaluate", str(tmp_path / "wide.json")]) == 0
+    err = capsys.readouterr().err
+    assert err.startswith("roboguitarist: wide: bar 3, beat 1: string ")
+    assert "out of reach" in err
+
+
+@pytest.mark.usefixtures("no_physics")
+@pytest.mark.parametrize("out", ["file", "file/below", "/proc/nowhere"])
+def test_an_output_folder_that_cannot_be_written(out, tab, tmp_path, capsys):
+    (tmp_path / "file").write_text("in the way")
+    folder = tmp_path / out
+    assert main(["play", tab, "--out", str(folder), "--no-video"]) == 2
+    assert str(folder) in complaint(capsys)
+    assert main(["evaluate", tab, "--json", str(folder / "metrics.json")]) == 2
+    assert str(folder) in complaint(capsys)
+
+
+@pytest.mark.usefixtures("no_physics")
+def test_a_score_is_never_replaced_by_its_own_metrics(tab, tmp_path, capsys):
+    assert main(["play", tab, "--out", str(tmp_path), "--no-video"]) == 2
+    assert "would replace the score" in complaint(capsys)
+    assert Path(tab).read_text() == TAB.to_json()
+
+
+@pytest.mark.usefixtures("no_physics")
+def test_a_full_disk_leaves_nothing_half_written(tab, tmp_path, capsys):
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(disk)]
+    if os.name != "posix" or os.getuid() or subprocess.run(mount, check=False).returncode:
+        pytest.skip("only root can make a small disk")
+    try:
+        assert main(["play", tab, "--out", str(disk / "out"), "--no-video"]) == 2
+        left = [path.name for path in (disk / "out").iterdir()]
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+    line = complaint(capsys)
+    assert "three.wav" in line
+    assert "No space left" in line
+    assert left == ["three.npz"]
+
+
+@pytest.mark.usefixtures("no_physics")
+def test_a_disk_that_fills_up_while_a_file_is_written(tab, tmp_path, capsys, monkeypatch):
+    def full(path, text, **_):
+        with path.open("w") as file:
+            file.write(text[:10])
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_text", full)
+    assert main(["evaluate", tab, "--json", str(tmp_path / "out" / "metrics.json")]) == 2
+    assert "No space left" in capsys.readouterr().err
+    assert list((tmp_path / "out").iterdir()) == []
+
+
+def test_an_interrupt_is_quiet(tab, capsys, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli_play, "read", interrupted)
+    assert main(["finger", tab]) == 130
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_defect_of_ours_is_not_hidden(tab, monkeypatch):
+    def broken(*_):
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(cli_play, "read", broken)
+    with pytest.raises(ZeroDivisionError):
+        main(["finger", tab])
+
+
+def test_a_reader_that_has_gone_is_no_error():
+    with subprocess.Popen(
+        [*RUN, "pieces"], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    ) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.close()
+        assert process.stderr.read() == b""
+    assert process.returncode == 141
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+def test_output_that_cannot_be_printed_gives_one_line():
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [*RUN, "pieces"], stdout=full, stderr=subprocess.PIPE, check=False, text=True
+        )
+    assert done.returncode == 2
+    assert done.stderr == "roboguitarist: No space left on device\n"
+
+
+def test_help_comes_quickly_and_without_heavy_modules():
+    code = (
+        "import sys; from roboguitarist.cli import main\n"
+        "try: main(['--help'])\n"
+        "except SystemExit: print([m for m in ('numpy', 'mujoco', 'scipy') if m in sys.modules])"
+    )
+    start = time.perf_counter()
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert time.perf_counter() - start < 2
+    assert done.stdout.endswith("[]\n")
