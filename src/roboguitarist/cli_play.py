@@ -8,7 +8,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -174,13 +174,21 @@ def progress_bar(name: str) -> Iterator[Callable[[float], None]]:
         yield show
 
 
-def assess(name: str, performance: Performance, seconds: dict[str, float]) -> Playing:
-    """Metrics and misses of a performance whose stages took so many seconds."""
+def assess(
+    name: str, performance: Performance, seconds: Mapping[str, float] | None = None
+) -> Playing:
+    """Metrics and misses of a performance.
+
+    Args:
+        name: The score's name.
+        performance: What was done.
+        seconds: Wall time that each stage took, if measured.
+    """
     from roboguitarist import alignment, metrics  # noqa: PLC0415
 
     length_s = performance.tablature.duration_s
-    speed = {stage: length_s / elapsed for stage, elapsed in seconds.items()}
-    measured = metrics.evaluate(performance, speed=speed)
+    speed = {stage: length_s / elapsed for stage, elapsed in (seconds or {}).items()}
+    measured = metrics.evaluate(performance, speed=speed or None)
     return Playing(name, performance, measured, alignment.misses(performance))
 
 
