@@ -84,7 +84,7 @@ def add_body(spec: mujoco.MjSpec, guitar: Guitar) -> None:
     for name, (material, mesh) in parts.items():
         add_geom(world, f"body_{name}", material, meshname=add_mesh(spec, f"body_{name}", mesh))
     centre = (guitar.sound_hole_x_m, 0, z - 0.03)
-    add_disc(world, "body_inside", "dark", centre, 2.2 * radius, 0.001)
+    add_disc(world, "body_inside", "dark", centre=centre, radius=2.2 * radius, half_height=0.001)
     _add_bridge(world, guitar)
 
 
@@ -100,11 +100,17 @@ def _band(outer: np.ndarray, inner: np.ndarray, z: float) -> Mesh:
 def _add_bridge(world: mujoco.MjsBody, guitar: Guitar) -> None:
     x, z, span = guitar.scale_length_m, top_z(guitar), guitar.saddle_span_m
     wing_y = 0.5 * span + 0.037
-    add_box(world, "bridge_wings", "rosewood", (x + 0.004, 0, z + 0.002), (0.014, wing_y, 0.002))
+    add_box(
+        world,
+        "bridge_wings",
+        "rosewood",
+        centre=(x + 0.004, 0, z + 0.002),
+        half_size=(0.014, wing_y, 0.002),
+    )
     half = (0.013, 0.5 * span + 0.011, 0.003)
-    add_box(world, "bridge", "rosewood", (x + 0.004, 0, z + 0.003), half)
+    add_box(world, "bridge", "rosewood", centre=(x + 0.004, 0, z + 0.003), half_size=half)
     tie = (0.005, 0.5 * span + 0.009, 0.0035)
-    add_box(world, "bridge_tie_block", "ebony", (x + 0.0125, 0, z + 0.0045), tie)
+    add_box(world, "bridge_tie_block", "ebony", centre=(x + 0.0125, 0, z + 0.0045), half_size=tie)
     top = -guitar.string_radius_m
     saddle = (0.0015, 0.5 * span + 0.006, 0.5 * (top - z))
-    add_box(world, "saddle", "bone", (x, 0, 0.5 * (top + z)), saddle)
+    add_box(world, "saddle", "bone", centre=(x, 0, 0.5 * (top + z)), half_size=saddle)

@@ -7,6 +7,7 @@ import mujoco
 from roboguitarist.hands import FINGERS, PREFIX, TIP_RADIUS_M, TIP_Z_M, Side
 from roboguitarist.looks.shapes import (
     ALONG_X,
+    ALONG_Y,
     add_disc,
     add_ellipsoid,
     add_geom,
@@ -97,9 +98,19 @@ def dress_hand(spec: mujoco.MjSpec, side: Side) -> None:
 
 def _add_wrist(spec: mujoco.MjSpec, prefix: str, mirror: float) -> None:
     palm = spec.body(f"{prefix}palm")
-    add_disc(palm, f"{prefix}wrist_pin", "steel", (0, 0, 0), 0.0095, 0.027, ALONG_X)
+    add_disc(
+        palm,
+        f"{prefix}wrist_pin",
+        "steel",
+        centre=(0, 0, 0),
+        radius=0.0095,
+        half_height=0.027,
+        quat=ALONG_X,
+    )
     ball = (mirror * -0.025, -0.009, 0.030)
-    add_ellipsoid(palm, f"{prefix}thumb_ball", "shell", ball, (0.015, 0.0125, 0.026))
+    add_ellipsoid(
+        palm, f"{prefix}thumb_ball", "shell", centre=ball, half_size=(0.015, 0.0125, 0.026)
+    )
 
 
 def _dress_finger(spec: mujoco.MjSpec, prefix: str, finger: str, meshes: dict[str, str]) -> None:
@@ -107,7 +118,15 @@ def _dress_finger(spec: mujoco.MjSpec, prefix: str, finger: str, meshes: dict[st
     pins = {"knuckle": (0.0075, 0.0092), "middle": (0.0056, 0.0089), "distal": (0.0048, 0.0078)}
     for link, (radius, half) in pins.items():
         body = spec.body(stem + link)
-        add_disc(body, f"{stem}{link}_pin", "steel", (0, 0, 0), radius, half, ALONG_X)
+        add_disc(
+            body,
+            f"{stem}{link}_pin",
+            "steel",
+            centre=(0, 0, 0),
+            radius=radius,
+            half_height=half,
+            quat=ALONG_X,
+        )
     for link in ("proximal", "middle", "distal"):
         add_geom(spec.body(stem + link), f"{stem}{link}_seen", "shell", meshname=meshes[link])
     tip = f"{stem}distal_tip"
@@ -115,18 +134,32 @@ def _dress_finger(spec: mujoco.MjSpec, prefix: str, finger: str, meshes: dict[st
     # Plates on the backs of the two longer links.
     for link, middle, length in (("proximal", 0.025, 0.014), ("middle", 0.0125, 0.007)):
         plate, half = (0, 0.0058, middle), (0.0055, 0.0042, length)
-        add_ellipsoid(spec.body(stem + link), f"{stem}{link}_plate", "plate", plate, half)
+        add_ellipsoid(
+            spec.body(stem + link), f"{stem}{link}_plate", "plate", centre=plate, half_size=half
+        )
 
 
 def _dress_thumb(spec: mujoco.MjSpec, prefix: str, meshes: dict[str, str]) -> None:
     stem = f"{prefix}th"
-    add_ellipsoid(spec.body(f"{stem}base"), f"{stem}base_seen", "plate", (0, 0, 0), (0.0135,) * 3)
+    add_ellipsoid(
+        spec.body(f"{stem}base"),
+        f"{stem}base_seen",
+        "plate",
+        centre=(0, 0, 0),
+        half_size=(0.0135,) * 3,
+    )
     for link in ("proximal", "middle", "distal"):
         body = spec.body(stem + link)
         add_geom(body, f"{stem}{link}_seen", "shell", meshname=meshes[f"th{link}"])
-    for link, turn in (("hub", (1.0, 0, 0, 0)), ("distal", (1.0, 0, 0, 0))):
+    for link, quat in (("hub", ALONG_Y), ("distal", ALONG_X)):
         pin = spec.body(stem + link)
-        quat = ALONG_X if link == "distal" else (0.70710678, 0.70710678, 0.0, 0.0)
-        add_disc(pin, f"{stem}{link}_pin", "steel", (0, 0, 0), 0.0065, 0.0112, quat)
-        del turn
+        add_disc(
+            pin,
+            f"{stem}{link}_pin",
+            "steel",
+            centre=(0, 0, 0),
+            radius=0.0065,
+            half_height=0.0112,
+            quat=quat,
+        )
     add_geom(spec.body(f"{stem}distal"), f"{stem}distal_tip", "tip_th", meshname=meshes["thtip"])

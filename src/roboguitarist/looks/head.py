@@ -57,9 +57,23 @@ def add_head(spec: mujoco.MjSpec, guitar: Guitar) -> None:
     quat = tilt.as_quat(scalar_first=True)
     for side, name in ((1, "treble"), (-1, "bass")):
         slot = head_point(guitar, 0.085, side * SLOT_Y_M, 0.0006)
-        add_box(world, f"head_slot_{name}", "dark", slot, (0.056, 0.0075, 0.0006), quat)
+        add_box(
+            world,
+            f"head_slot_{name}",
+            "dark",
+            centre=slot,
+            half_size=(0.056, 0.0075, 0.0006),
+            quat=quat,
+        )
         plate = head_point(guitar, 0.085, side * 0.0385, -0.009)
-        add_box(world, f"head_plate_{name}", "brass", plate, (0.055, 0.0012, 0.006), quat)
+        add_box(
+            world,
+            f"head_plate_{name}",
+            "brass",
+            centre=plate,
+            half_size=(0.055, 0.0012, 0.006),
+            quat=quat,
+        )
     for string in range(1, 7):
         _add_peg(world, guitar, string, quat)
 
@@ -78,13 +92,21 @@ def _slab(guitar: Guitar, over: float, share: float) -> Mesh:
     )  # fmt: skip
 
 
-def _add_peg(
-    world: mujoco.MjsBody, guitar: Guitar, string: int, quat: np.ndarray
-) -> None:
+def _add_peg(world: mujoco.MjsBody, guitar: Guitar, string: int, quat: np.ndarray) -> None:
     side, place = (1 if string <= 3 else -1), ROLLERS_M[string - 1 if string <= 3 else 6 - string]
     inner, outer = (head_point(guitar, place, side * y, -0.0005) for y in (0.008, 0.026))
-    add_rod(world, f"roller_{string}", "bone", inner, outer, 0.0042)
+    add_rod(world, f"roller_{string}", "bone", start=inner, end=outer, radius=0.0042)
     shaft = head_point(guitar, place + 0.006, side * 0.047, -0.009)
-    add_disc(world, f"peg_shaft_{string}", "brass", shaft, 0.0022, 0.010, ALONG_Y)
+    add_disc(
+        world,
+        f"peg_shaft_{string}",
+        "brass",
+        centre=shaft,
+        radius=0.0022,
+        half_height=0.010,
+        quat=ALONG_Y,
+    )
     button = head_point(guitar, place + 0.006, side * 0.060, -0.009)
-    add_ellipsoid(world, f"peg_{string}", "pearl", button, (0.0075, 0.006, 0.0035), quat)
+    add_ellipsoid(
+        world, f"peg_{string}", "pearl", centre=button, half_size=(0.0075, 0.006, 0.0035), quat=quat
+    )

@@ -45,7 +45,7 @@ def add_neck(spec: mujoco.MjSpec, guitar: Guitar) -> None:
     z = -guitar.action_m
     top = -guitar.string_radius_m
     half = (0.0025, float(half_width(guitar, 0.0)), 0.5 * (top - z + BOARD_M))
-    add_box(world, "nut", "bone", (-0.0025, 0, 0.5 * (top + z - BOARD_M)), half)
+    add_box(world, "nut", "bone", centre=(-0.0025, 0, 0.5 * (top + z - BOARD_M)), half_size=half)
 
 
 def neck_depth(guitar: Guitar, x: np.ndarray) -> np.ndarray:
@@ -80,7 +80,8 @@ def _board(guitar: Guitar) -> Mesh:
     corners = np.array([(0, -near), (end, -far), (end, far), (0, near)])
     floor, face = (np.column_stack([corners, np.full(4, z)]) for z in (bottom, top))
     sides = [
-        lid(np.stack([floor[i], floor[j], face[j], face[i]])) for i, j in zip(range(4), (1, 2, 3, 0), strict=True)
+        lid(np.stack([floor[i], floor[j], face[j], face[i]]))
+        for i, j in zip(range(4), (1, 2, 3, 0), strict=True)
     ]
     return merged(lid(face), *sides)
 
@@ -90,7 +91,9 @@ def _add_frets(world: mujoco.MjsBody, guitar: Guitar) -> None:
     for fret in range(1, guitar.n_frets + 1):
         x = float(guitar.fret_x(fret))
         half = float(half_width(guitar, x)) - 0.0005
-        add_rod(world, f"fret_{fret}", "nickel", (x, -half, z), (x, half, z), 0.0009)
+        add_rod(
+            world, f"fret_{fret}", "nickel", start=(x, -half, z), end=(x, half, z), radius=0.0009
+        )
     for fret in INLAY_FRETS:
         if fret > guitar.n_frets:
             break
@@ -98,4 +101,4 @@ def _add_frets(world: mujoco.MjsBody, guitar: Guitar) -> None:
         aside = 0.3 * float(half_width(guitar, x)) if fret == 12 else 0.0
         for side in sorted({-aside, aside}):
             name = f"inlay_{fret}_{'bass' if side < 0 else 'treble'}"
-            add_disc(world, name, "pearl", (x, side, z), 0.003, 0.0002)
+            add_disc(world, name, "pearl", centre=(x, side, z), radius=0.003, half_height=0.0002)

@@ -8,6 +8,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 VISUAL_GROUP, COLLISION_GROUP = 2, 3
@@ -147,10 +148,11 @@ def add_disc(
     body: mujoco.MjsBody,
     name: str,
     material: str,
-    centre: Sequence[float],
+    *,
+    centre: ArrayLike,
     radius: float,
     half_height: float,
-    quat: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
+    quat: ArrayLike = (1.0, 0.0, 0.0, 0.0),
 ) -> None:
     """A cylinder, upright unless turned by `quat`."""
     kind, size = mujoco.mjtGeom.mjGEOM_CYLINDER, (radius, half_height, 0)
@@ -161,22 +163,24 @@ def add_rod(
     body: mujoco.MjsBody,
     name: str,
     material: str,
-    start: Sequence[float],
-    end: Sequence[float],
+    *,
+    start: ArrayLike,
+    end: ArrayLike,
     radius: float,
 ) -> None:
     """A capsule between two points."""
     kind, size = mujoco.mjtGeom.mjGEOM_CAPSULE, (radius, 0, 0)
-    add_geom(body, name, material, kind, fromto=[*start, *end], size=size)
+    add_geom(body, name, material, kind, fromto=np.concatenate([start, end]), size=size)
 
 
 def add_box(
     body: mujoco.MjsBody,
     name: str,
     material: str,
-    centre: Sequence[float],
-    half_size: Sequence[float],
-    quat: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
+    *,
+    centre: ArrayLike,
+    half_size: ArrayLike,
+    quat: ArrayLike = (1.0, 0.0, 0.0, 0.0),
 ) -> None:
     """A box."""
     kind = mujoco.mjtGeom.mjGEOM_BOX
@@ -187,9 +191,10 @@ def add_ellipsoid(
     body: mujoco.MjsBody,
     name: str,
     material: str,
-    centre: Sequence[float],
-    half_size: Sequence[float],
-    quat: Sequence[float] = (1.0, 0.0, 0.0, 0.0),
+    *,
+    centre: ArrayLike,
+    half_size: ArrayLike,
+    quat: ArrayLike = (1.0, 0.0, 0.0, 0.0),
 ) -> None:
     """An ellipsoid."""
     kind = mujoco.mjtGeom.mjGEOM_ELLIPSOID

@@ -27,6 +27,13 @@ def add_strings(spec: mujoco.MjSpec, guitar: Guitar) -> None:
             )
         )
         world = spec.worldbody
-        add_rod(world, f"string_{string}_seen", material, nut, saddle, radius)
-        add_rod(world, f"string_{string}_tied", material, saddle, tie, radius)
-        add_rod(world, f"string_{string}_head", material, roller(guitar, string), nut, radius)
+        add_rod(world, f"string_{string}_seen", material, start=nut, end=saddle, radius=radius)
+        add_rod(world, f"string_{string}_tied", material, start=saddle, end=tie, radius=radius)
+        add_rod(
+            world,
+            f"string_{string}_head",
+            material,
+            start=roller(guitar, string),
+            end=nut,
+            radius=radius,
+        )
