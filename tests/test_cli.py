@@ -1,3 +1,4 @@
+import ctypes
 import io
 import json
 import os
@@ -12,7 +13,7 @@ import numpy as np
 import pytest
 
 from builders import perfect
-from roboguitarist import __version__, cli_play, performance, pieces
+from roboguitarist import __version__, cli_play, performance, pieces, video
 from roboguitarist.cli import Evaluate, Finger, Pieces, Play, main, parse
 from roboguitarist.performance import Performance
 from roboguitarist.tablature import Note, Tablature
@@ -215,6 +216,33 @@ def test_play_writes_what_it_played(tab, tmp_path, capsys):
     assert {"frame", "frame_free", "note", "onset", "timing_ms", "motion"} <= set(report["metrics"])
     assert set(report["metrics"]["speed"]) == {"performance", "sound"}
     assert "three" in capsys.readouterr().out
+
+
+@pytest.mark.usefixtures("no_physics")
+def test_a_machine_without_renderer_gets_everything_but_the_video(
+    tab, tmp_path, capsys, monkeypatch
+):
+    def render(*_, **__):
+        raise video.UnavailableError("no OpenGL library found")
+
+    monkeypatch.setattr(video, "render", render)
+    out = tmp_path / "out"
+    assert main(["play", tab, "--out", str(out)]) == 0
+    assert capsys.readouterr().err == "roboguitarist: no video: no OpenGL library found\n"
+    assert sorted(path.suffix for path in out.iterdir()) == [".json", ".npz", ".wav"]
+
+
+def test_a_renderer_that_is_not_there_does_not_keep_the_hands_from_playing(tab):
+    try:
+        ctypes.CDLL("libOSMesa.so.8")
+    except OSError:
+        environment = {**os.environ, "MUJOCO_GL": "osmesa"}
+        done = subprocess.run(
+            [*RUN, "evaluate", tab], env=environment, capture_output=True, text=True, check=False
+        )
+        assert (done.returncode, done.stderr) == (0, "")
+    else:
+        pytest.skip("OSMesa is there")
 
 
 def test_play_twice_gives_the_same_bytes(tab, tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import sys
 import tempfile
@@ -69,11 +70,11 @@ def play(command: Play) -> None:
     """
     name, tablature = read(command.score, command.track, command.speed)
     paths = output_paths(command.out, name, command.score)
+    seconds: dict[str, float] = {}
+    performance = perform(name, tablature, command, seconds)
 
     from roboguitarist import sound  # noqa: PLC0415
 
-    seconds: dict[str, float] = {}
-    performance = perform(name, tablature, command, seconds)
     start = time.perf_counter()
     samples = sound.synthesize(performance)
     seconds["sound"] = time.perf_counter() - start
@@ -148,6 +149,7 @@ def perform(
     name: str, tablature: Tablature, options: Options, seconds: dict[str, float]
 ) -> Performance:
     """Play a tablature; the wall time that this took is added to `seconds`."""
+    load_mujoco()
     from roboguitarist import fingering, performance  # noqa: PLC0415
 
     config = performance.PerformConfig(
@@ -160,6 +162,18 @@ def perform(
         played = performance.perform(fingered, config, progress)
     seconds["performance"] = time.perf_counter() - start
     return played
+
+
+def load_mujoco() -> None:
+    """Import MuJoCo without a renderer: if `MUJOCO_GL` names one that is missing, that fails.
+
+    The video looks for a renderer itself, and obeys the same variable.
+    """
+    chosen = os.environ.pop("MUJOCO_GL", None)
+    import mujoco  # noqa: F401, PLC0415
+
+    if chosen is not None:
+        os.environ["MUJOCO_GL"] = chosen
 
 
 @contextmanager
