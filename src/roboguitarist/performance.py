@@ -21,7 +21,7 @@ from roboguitarist.scene import SceneConfig, build
 from roboguitarist.sensing import DEAD, PRESS_THRESHOLD_N, left_power, plucks, stops
 from roboguitarist.tablature import Tablature
 
-__all__ = ["DEAD", "PRESS_THRESHOLD_N", "Performance", "PerformConfig", "perform"]
+__all__ = ["DEAD", "PRESS_THRESHOLD_N", "PerformConfig", "Performance", "perform"]
 
 
 @dataclass(frozen=True)
@@ -191,7 +191,8 @@ def simulate(
 
     Args:
         model: Scene with both hands.
-        left, right: Their plans, over the same times.
+        left: Plan of the left hand.
+        right: Plan of the right hand, over the same times.
         progress: Called with the share that is done, from 0 to 1.
     """
     data = mujoco.MjData(model)

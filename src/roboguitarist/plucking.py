@@ -8,8 +8,9 @@ tilt about x alone, and T places the ellipse's lower arc on the string.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import groupby, pairwise
+from itertools import groupby
 
+import mujoco
 import numpy as np
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
@@ -120,7 +121,7 @@ def find_strokes(fingering: Fingering) -> tuple[tuple[Stroke, ...], ...]:
     return tuple(strokes)
 
 
-def right_hand(config: SceneConfig):  # noqa: ANN201
+def right_hand(config: SceneConfig) -> mujoco.MjModel:
     """Model of the right hand alone, for planning."""
     return build(
         SceneConfig(config.guitar, config.hand, ("right",), config.timestep_s, visuals=False)

@@ -114,10 +114,8 @@ def _add_neck(spec: mujoco.MjSpec, guitar: Guitar) -> None:
         conaffinity=_LEFT,
         rgba=(0.12, 0.07, 0.05, 1),
     )
-    for string in STRINGS:
-        ends = [
-            (x, float(guitar.string_y(string, x)), 0.0) for x in (0.0, guitar.scale_length_m)
-        ]
+    for string in STRINGS.tolist():
+        ends = [(x, float(guitar.string_y(string, x)), 0.0) for x in (0.0, guitar.scale_length_m)]
         spec.worldbody.add_geom(
             name=f"string_{string}",
             type=mujoco.mjtGeom.mjGEOM_CAPSULE,
