@@ -48,12 +48,12 @@ class TipPlan:
 
     Attributes:
         position_m: (T, 4, 3) centres of the fingertips' spheres.
-        busy: (T, 4) from 0 for a finger at home to 1 for one that plays.
+        grip: (T, 4) from 0 for a finger in the air to 1 for one that is down.
         force: (T, 4) share of the full force with which each presses, 0 to 1.
     """
 
     position_m: np.ndarray
-    busy: np.ndarray
+    grip: np.ndarray
     force: np.ndarray
 
 
@@ -73,16 +73,16 @@ def tip_plan(
         guitar: Where strings and frets are.
         pace: How to move.
     """
-    home = _home(presses, fingering, time_s, guitar, pace.hover_m)
-    tips, busy, force = [], [], []
+    home = home_path(presses, fingering, time_s, guitar, pace.hover_m)
+    tips, grip, force = [], [], []
     for finger, row in enumerate(presses):
         moments = _moments(row, guitar, pace)
         away = _away(moments, time_s, pace)
         played = _played(row, moments, time_s, guitar, pace)
         tips.append(away[:, None] * played + (1 - away[:, None]) * home[:, finger])
-        busy.append(away)
+        grip.append(_grip(moments, time_s))
         force.append(_pressure(moments, time_s, pace))
-    return TipPlan(np.stack(tips, 1), np.stack(busy, 1), np.stack(force, 1))
+    return TipPlan(np.stack(tips, 1), np.stack(grip, 1), np.stack(force, 1))
 
 
 @dataclass(frozen=True)
@@ -95,12 +95,24 @@ class _Moment:
     up_s: float
 
 
+def turning_times(
+    presses: tuple[tuple[Press, ...], ...], guitar: Guitar, pace: Pace
+) -> list[float]:
+    """Times at which some finger begins or ends a movement, in seconds."""
+    times = set()
+    for row in presses:
+        for moment in _moments(row, guitar, pace):
+            times |= {moment.over_s, moment.down_s, moment.leave_s, moment.up_s}
+    return sorted(times)
+
+
 def tip_height(guitar: Guitar) -> float:
     """Height of a fingertip's centre over the strings' axes when it touches."""
     return TIP_RADIUS_M + guitar.string_radius_m
 
 
-def _point(press: Press, guitar: Guitar) -> np.ndarray:
+def press_point(press: Press, guitar: Guitar) -> np.ndarray:
+    """Centre (3,) of the fingertip that just touches the string there, in metres."""
     y = float(guitar.string_y(press.string, press.x_m))
     return np.array([press.x_m, y, tip_height(guitar)])
 
@@ -111,7 +123,7 @@ def _moments(row: tuple[Press, ...], guitar: Guitar, pace: Pace) -> list[_Moment
     for index, press in enumerate(row):
         leave_s = press.end_s - pace.release_s
         if index + 1 < len(row):
-            way = np.linalg.norm(_point(row[index + 1], guitar) - _point(press, guitar))
+            way = np.linalg.norm(press_point(row[index + 1], guitar) - press_point(press, guitar))
             needed = pace.reach_s + pace.reach_s_m * float(way)
             leave_s = min(leave_s, down[index + 1] - needed)
         # Never less than half of the note, however short the time for the next.
@@ -153,13 +165,21 @@ def _played(
     up = np.array([0.0, 0.0, pace.ready_m])
     times, points = [], []
     for press, moment in zip(row, moments, strict=True):
-        point = _point(press, guitar)
+        point = press_point(press, guitar)
         times += [moment.over_s, moment.down_s, moment.leave_s, moment.up_s]
         points += [point + up, point, point, point + up]
     times = [times[0] - 1.0, *times, times[-1] + 1.0]
     points = [points[0], *points, points[-1]]
     inside = np.clip(time_s, times[0], times[-1])
     return PchipInterpolator(times, points, axis=0)(inside)
+
+
+def _grip(moments: list[_Moment], time_s: np.ndarray) -> np.ndarray:
+    times, values = [time_s[0] - 1.0], [0.0]
+    for moment in moments:
+        times += [moment.over_s, moment.down_s, moment.leave_s, moment.up_s]
+        values += [0.0, 1.0, 1.0, 0.0]
+    return np.interp(time_s, times, values)
 
 
 def _pressure(moments: list[_Moment], time_s: np.ndarray, pace: Pace) -> np.ndarray:
@@ -177,7 +197,7 @@ def _pressure(moments: list[_Moment], time_s: np.ndarray, pace: Pace) -> np.ndar
     return np.interp(time_s, times, values)
 
 
-def _home(
+def home_path(
     presses: tuple[tuple[Press, ...], ...],
     fingering: Fingering,
     time_s: np.ndarray,

@@ -8,12 +8,12 @@ from typing import TypeVar
 
 import mujoco
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import gaussian_filter1d
 
 from roboguitarist.fingering import Fingering
-from roboguitarist.fretting.paths import Pace, tip_plan
-from roboguitarist.fretting.presses import find_presses
+from roboguitarist.fretting.paths import Pace, tip_plan, turning_times
+from roboguitarist.fretting.presses import Press, find_presses
 from roboguitarist.guitar import Guitar
 from roboguitarist.hands import TIP_RADIUS_M
 from roboguitarist.kinematics import Solver, TipPaths, follow
@@ -41,13 +41,15 @@ class PlannerConfig:
     base_s: float = 0.08
 
 
-SOLVE_EVERY = 4
-"""Inverse kinematics is solved at every fourth sample and interpolated between."""
-PRESSED_WEIGHT, IDLE_WEIGHT = 100.0, 6.7
+KNOT_S = 0.035
+"""Longest time between two solutions of the inverse kinematics."""
+MERGE_SAMPLES = 3
+"""Solutions are at least that many samples apart."""
+PRESSED_WEIGHT, IDLE_WEIGHT = 100.0, 1.5
 
 # Rest posture, costs and ranges were found by random search over 61 hand shapes, judged by the
 # forces with which the shape was held in physics.
-REST_RAD = {"WRJ1": 0.168, "J3": 1.0, "J2": 0.95, "J1": 0.95, "THJ4": 1.0}
+REST_RAD = {"WRJ1": 0.15, "J3": 0.5, "J2": 1.0, "J1": 1.0, "THJ4": 1.0}
 RANGE_RAD = {
     "WRJ1": (-0.4, 0.3),
     "WRJ2": (-0.15, 0.15),
@@ -88,18 +90,35 @@ def plan(
         The motion, with servo targets for the left hand.
     """
     scene, config = scene or SceneConfig(), config or PlannerConfig()
-    presses = find_presses(fingering, scene.guitar)
+    guitar, pace = scene.guitar, config.pace
+    presses = find_presses(fingering, guitar)
     time_s = plan_times(fingering.tablature.duration_s)
-    coarse = time_s[::SOLVE_EVERY]
-    model = left_hand(scene)
-    tips = tip_plan(presses, fingering, coarse, scene.guitar, config.pace)
-    weight = IDLE_WEIGHT + (PRESSED_WEIGHT - IDLE_WEIGHT) * tips.busy
-    rest = rest_path(model, tips.position_m, weight, config.base_s * PLAN_HZ / SOLVE_EVERY)
-    paths = TipPaths(tips.position_m, weight, rest)
-    qpos = CubicSpline(coarse, follow(solver(model), paths), axis=0)(np.minimum(time_s, coarse[-1]))
-    force = tip_plan(presses, fingering, time_s, scene.guitar, config.pace).force
-    contact = contact_torque(model, qpos, config.force_n * force, scene.guitar)
+    tips = tip_plan(presses, fingering, time_s, guitar, pace)
+    weight = IDLE_WEIGHT + (PRESSED_WEIGHT - IDLE_WEIGHT) * tips.grip
+    hand = solver(left_hand(scene))
+    rest = rest_path(hand.model, tips.position_m, weight, config.base_s * PLAN_HZ)
+    knots = knot_indices(presses, time_s, guitar, pace)
+    postures = follow(hand, TipPaths(tips.position_m[knots], weight[knots], rest[knots]))
+    qpos = PchipInterpolator(time_s[knots], postures, axis=0)(time_s)
+    contact = contact_torque(hand.model, qpos, config.force_n * tips.force)
     return HandPlan(time_s, qpos, servo_targets(_alone(scene), qpos, PLAN_HZ, contact))
+
+
+def knot_indices(
+    presses: tuple[tuple[Press, ...], ...], time_s: np.ndarray, guitar: Guitar, pace: Pace
+) -> np.ndarray:
+    """Samples at which inverse kinematics is solved: where fingers touch, leave or turn.
+
+    Between them the joints move smoothly, so that no posture is left faster than a hand can.
+    """
+    regular = np.arange(time_s[0], time_s[-1], KNOT_S)
+    turns = np.array(turning_times(presses, guitar, pace))
+    away = np.abs(regular[:, None] - turns).min(axis=1, initial=np.inf) > KNOT_S / 3
+    index = np.searchsorted(time_s, np.sort(np.concatenate([regular[away], turns])))
+    index = np.unique(np.clip([0, *index, len(time_s) - 1], 0, len(time_s) - 1))
+    apart = np.diff(index, prepend=-MERGE_SAMPLES) >= MERGE_SAMPLES
+    apart[-1] = True
+    return index[apart]
 
 
 def _alone(scene: SceneConfig) -> mujoco.MjModel:
@@ -119,7 +138,7 @@ def left_hand(scene: SceneConfig) -> mujoco.MjModel:
 def _lookup(joint: str, table: Mapping[str, Value]) -> Value | None:
     """Entry for a joint: its own, that of its place in the finger (J1 to J4) or `TH`."""
     name = joint.removeprefix("lh_")
-    kind = "TH" if name.startswith("TH") else name[-2:]
+    kind = name[2:] if name[:2] in FINGERS else name[:2]
     return table.get(name, table.get(kind))
 
 
@@ -132,10 +151,16 @@ def _values(model: mujoco.MjModel, table: Mapping[str, float], default: float) -
 def rest_path(
     model: mujoco.MjModel, tips: np.ndarray, weight: np.ndarray, smoothing: float
 ) -> np.ndarray:
-    """Postures (T, nq) that bring the resting hand under its work.
+    """Postures (T, nq) of a relaxed hand that is moved to where its work is.
 
-    The forearm is moved so that the fingertips of a hand at rest would be, in the weighted
-    mean, where the fingertips are wanted.
+    The forearm is shifted so that the fingertips of the relaxed hand would be, in the weighted
+    mean, where they are wanted.
+
+    Args:
+        model: The left hand.
+        tips: (T, 4, 3) wanted positions of the fingertips.
+        weight: (T, 4) how much each counts.
+        smoothing: Standard deviation of the smoothing over time, in samples.
     """
     posture = _values(model, REST_RAD, 0.0)
     data = mujoco.MjData(model)
@@ -157,16 +182,13 @@ def solver(model: mujoco.MjModel) -> Solver:
     return Solver(model, TIPS, _values(model, COST, 0.03), apart, POINTING, POINTING_COST)
 
 
-def contact_torque(
-    model: mujoco.MjModel, qpos: np.ndarray, force_n: np.ndarray, guitar: Guitar
-) -> np.ndarray:
+def contact_torque(model: mujoco.MjModel, qpos: np.ndarray, force_n: np.ndarray) -> np.ndarray:
     """Generalised forces (T, nv) with which the strings push the fingertips back.
 
     Args:
         model: The left hand.
         qpos: (T, nq) joint path.
         force_n: (T, 4) normal forces of fingers 1 to 4, in N.
-        guitar: Its strings' radius matters.
     """
     data, jacobian = mujoco.MjData(model), np.zeros((3, model.nv))
     bodies = [model.site(name).bodyid[0] for name in TIPS]
