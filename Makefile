@@ -59,5 +59,6 @@ $(VENV)/docs: pyproject.toml | $(BIN)/python
 renderer:
 	@ldconfig -p 2>/dev/null | grep -qE 'libEGL_|libOSMesa' \
 	|| { test "$$(id -u)" = 0 && command -v apt-get >/dev/null \
-	     && apt-get update -qq && apt-get install -y -qq libegl1 libgl1-mesa-dri >/dev/null; } \
+	     && apt-get update -qq \
+	     && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq libegl1 libgl1-mesa-dri >/dev/null; } \
 	|| true

@@ -232,6 +232,22 @@ def test_a_machine_without_renderer_gets_everything_but_the_video(
     assert sorted(path.suffix for path in out.iterdir()) == [".json", ".npz", ".wav"]
 
 
+@pytest.mark.usefixtures("no_physics")
+def test_the_video_gets_the_sound_that_was_written(tab, tmp_path, capsys, monkeypatch):
+    def render(played, path, camera, samples, progress):
+        progress(1.0)
+        path.write_bytes(samples.tobytes() + camera.encode())
+
+    monkeypatch.setattr(video, "render", render)
+    out = tmp_path / "out"
+    assert main(["play", tab, "--out", str(out), "--camera", "player"]) == 0
+    film = (out / "three.mp4").read_bytes()
+    assert film.endswith(b"player")
+    assert len(film) - len("player") == 2 * (len((out / "three.wav").read_bytes()) - 44)
+    written = capsys.readouterr().out.splitlines()[-1].removeprefix("Written: ").split(", ")
+    assert sorted(map(Path, written)) == sorted(out.iterdir())
+
+
 def test_a_renderer_that_is_not_there_does_not_keep_the_hands_from_playing(tab):
     try:
         ctypes.CDLL("libOSMesa.so.8")

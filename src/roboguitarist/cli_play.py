@@ -85,8 +85,9 @@ def play(command: Play) -> None:
     print(cli_report.metrics_table([playing.row()]))
     for line in cli_report.shortened(map(str, playing.misses)):
         print(line)
-    if not command.no_video:
-        film(paths["mp4"], performance, samples, command.camera)
+    if command.no_video or not film(paths["mp4"], performance, samples, command.camera):
+        del paths["mp4"]
+    print("Written:", ", ".join(map(str, paths.values())))
 
 
 def evaluate(command: Evaluate) -> None:
@@ -206,8 +207,11 @@ def assess(
     return Playing(name, performance, measured, alignment.misses(performance))
 
 
-def film(path: Path, performance: Performance, samples: np.ndarray, camera: str) -> None:
+def film(path: Path, performance: Performance, samples: np.ndarray, camera: str) -> bool:
     """Make the video; on a machine that cannot, say what is missing and go on.
+
+    Returns:
+        Whether it was made.
 
     Raises:
         RoboGuitaristError: If the file cannot be written.
@@ -219,6 +223,8 @@ def film(path: Path, performance: Performance, samples: np.ndarray, camera: str)
             video.render(performance, path, camera=camera, samples=samples, progress=progress)
     except video.UnavailableError as error:
         print(f"roboguitarist: no video: {error}", file=sys.stderr)
+        return False
+    return True
 
 
 def output_paths(folder: Path, name: str, score: str) -> dict[str, Path]:
