@@ -21,12 +21,15 @@ class TipPaths:
     Attributes:
         position_m: (T, k, 3) positions in the guitar's frame.
         weight: (T, k) cost of a metre of error; 0 lets a finger go where its posture leads.
+        aloft: (T, k) how much each fingertip is to be kept off the strings, 0 to 1; None for
+            fingers that may cross them.
         rest: (T, nq) posture towards which everything is weakly drawn.
     """
 
     position_m: np.ndarray
     weight: np.ndarray
     rest: np.ndarray
+    aloft: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,11 @@ class Solver:
         pointing: Direction that the sites' z axes are drawn to, in the guitar's frame.
         pointing_cost: Its cost, 0 for none.
         clearance_m: Distance kept between the groups of `apart`.
-        apart_cost: Cost of a metre less than that.
+        apart_cost: Cost of a metre less than that, and less than the height over the strings.
+        knuckles: Bodies whose origins stay off the strings, with their radii in metres.
+        tip_radius_m: Radius of the fingertips.
+        over_m: Height over the strings that idle fingertips and knuckles keep.
+        half_width_m: Half width of the fretboard, beyond which heights do not matter.
     """
 
     model: mujoco.MjModel
@@ -52,6 +59,10 @@ class Solver:
     pointing_cost: float = 0.0
     clearance_m: float = 0.001
     apart_cost: float = 60.0
+    knuckles: tuple[tuple[str, float], ...] = ()
+    tip_radius_m: float = 0.0065
+    over_m: float = 0.004
+    half_width_m: float = 0.028
     iterations: int = 40
 
 
@@ -127,31 +138,30 @@ def _cost(configuration: mink.Configuration, tasks: list[mink.Task]) -> float:
 @dataclass(frozen=True)
 class _Tasks:
     tips: list[mink.FrameTask]
-    others: list[mink.Task]
     posture: mink.PostureTask
+    clearance: ClearanceTask | None
+    others: list[mink.Task]
 
     @property
     def every(self) -> list[mink.Task]:
-        return [*self.tips, *self.others, self.posture]
+        clearance = [self.clearance] if self.clearance else []
+        return [*self.tips, *self.others, *clearance, self.posture]
 
 
 def _problem(solver: Solver) -> tuple[_Tasks, list[mink.Limit], list[mink.Task]]:
     model = solver.model
-    pointing: list[mink.Task] = []
+    others: list[mink.Task] = [SeparationTask(solver)] if solver.apart else []
     if solver.pointing_cost:
-        pointing = [
-            mink.AxisAlignTask(site, "site", (0, 0, 1), solver.pointing_cost)
-            for site in solver.sites
-        ]
-        for task in pointing:
+        for site in solver.sites:
+            task = mink.AxisAlignTask(site, "site", (0, 0, 1), solver.pointing_cost)
             task.set_target(solver.pointing)
+            others.append(task)
     tasks = _Tasks(
         [mink.FrameTask(site, "site", 1.0, 0.0) for site in solver.sites],
-        pointing,
         mink.PostureTask(model, solver.posture_cost),
+        ClearanceTask(solver) if solver.knuckles else None,
+        others,
     )
-    separation = [SeparationTask(solver)] if solver.apart else []
-    tasks = _Tasks(tasks.tips, [*pointing, *separation], tasks.posture)
     constraints = [mink.EqualityConstraintTask(model, cost=1.0)] if model.neq else []
     return tasks, [mink.ConfigurationLimit(model)], constraints
 
@@ -204,6 +214,49 @@ class SeparationTask(mink.Task):
         return error, jacobian
 
 
+class ClearanceTask(mink.Task):
+    """Keeps joints and idle fingertips off the strings.
+
+    A point with radius r is to stay at least r + `over_m` above the strings' axes while it is
+    over the fretboard.
+    """
+
+    def __init__(self, solver: Solver) -> None:
+        model = solver.model
+        self.points = [(model.body(name).id, r) for name, r in solver.knuckles]
+        self.sites = [model.site(name).id for name in solver.sites]
+        self.radius = np.array(
+            [r for _, r in self.points] + [solver.tip_radius_m] * len(self.sites)
+        )
+        self.over_m, self.half_width_m = solver.over_m, solver.half_width_m
+        self.aloft = np.ones(len(self.sites))
+        super().__init__(np.full(len(self.radius), solver.apart_cost))
+
+    def compute_error(self, configuration: mink.Configuration) -> np.ndarray:
+        """Missing height of each point in metres, 0 or below."""
+        data = configuration.data
+        bodies = [body for body, _ in self.points]
+        place = np.vstack([data.xpos[bodies], data.site_xpos[self.sites]])
+        # Past the edge the demand fades, so that it does not jump there.
+        inside = np.clip((self.half_width_m - place[:, 1]) / 0.005, 0.0, 1.0)
+        inside[len(bodies) :] *= self.aloft
+        return np.minimum(0.0, place[:, 2] - self.radius - self.over_m) * inside
+
+    def compute_jacobian(self, configuration: mink.Configuration) -> np.ndarray:
+        """Derivative (points, nv) of the error; zero for points that are high enough."""
+        model, data = configuration.model, configuration.data
+        error, jacobian = self.compute_error(configuration), np.zeros((len(self.radius), model.nv))
+        arm = np.empty((3, model.nv))
+        for row in np.flatnonzero(error < 0):
+            if row < len(self.points):
+                mujoco.mj_jacBody(model, data, arm, None, self.points[row][0])
+            else:
+                mujoco.mj_jacSite(model, data, arm, None, self.sites[row - len(self.points)])
+                arm *= self.aloft[row - len(self.points)]
+            jacobian[row] = arm[2]
+        return jacobian
+
+
 def _aim(tasks: _Tasks, paths: TipPaths, tick: int) -> None:
     for task, position, weight in zip(
         tasks.tips, paths.position_m[tick], paths.weight[tick], strict=True
@@ -211,6 +264,8 @@ def _aim(tasks: _Tasks, paths: TipPaths, tick: int) -> None:
         task.set_target(mink.SE3.from_translation(position))
         task.set_position_cost(weight)
     tasks.posture.set_target(paths.rest[tick])
+    if tasks.clearance and paths.aloft is not None:
+        tasks.clearance.aloft = paths.aloft[tick]
 
 
 def _unchanged(paths: TipPaths, tick: int) -> bool:

@@ -32,7 +32,7 @@ class Pace:
 
     hover_m: float = 0.0277
     ready_m: float = 0.010
-    early_s: float = 0.02
+    early_s: float = 0.04
     release_s: float = 0.015
     drop_s: float = 0.07
     lift_s: float = 0.06

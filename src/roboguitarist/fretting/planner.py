@@ -41,7 +41,7 @@ class PlannerConfig:
     base_s: float = 0.08
 
 
-KNOT_S = 0.035
+KNOT_S = 0.1
 """Longest time between two solutions of the inverse kinematics."""
 MERGE_SAMPLES = 3
 """Solutions are at least that many samples apart."""
@@ -59,9 +59,9 @@ RANGE_RAD = {
     "J1": (0.1, 1.4),
 }
 COST = {
-    "forearm_x": 1.61,
-    "forearm_y": 1.03,
-    "forearm_z": 0.72,
+    "forearm_x": 5.0,
+    "forearm_y": 5.0,
+    "forearm_z": 5.0,
     "WRJ1": 0.6,
     "WRJ2": 0.152,
     "J4": 0.0169,
@@ -98,7 +98,9 @@ def plan(
     hand = solver(left_hand(scene))
     rest = rest_path(hand.model, tips.position_m, weight, config.base_s * PLAN_HZ)
     knots = knot_indices(presses, time_s, guitar, pace)
-    postures = follow(hand, TipPaths(tips.position_m[knots], weight[knots], rest[knots]))
+    postures = follow(
+        hand, TipPaths(tips.position_m[knots], weight[knots], rest[knots], 1.0 - tips.grip[knots])
+    )
     qpos = PchipInterpolator(time_s[knots], postures, axis=0)(time_s)
     contact = contact_torque(hand.model, qpos, config.force_n * tips.force)
     return HandPlan(time_s, qpos, servo_targets(_alone(scene), qpos, PLAN_HZ, contact))
@@ -179,7 +181,21 @@ def solver(model: mujoco.MjModel) -> Solver:
     """Inverse kinematics of the left hand."""
     links = ("proximal", "middle", "distal")
     apart = tuple(tuple(f"lh_{f.lower()}{link}" for link in links) for f in FINGERS)
-    return Solver(model, TIPS, _values(model, COST, 0.03), apart, POINTING, POINTING_COST)
+    knuckles = tuple(
+        (f"lh_{f.lower()}{link}", radius)
+        for f in FINGERS
+        for link, radius in (("middle", 0.009), ("distal", 0.009))
+    )
+    return Solver(
+        model,
+        TIPS,
+        _values(model, COST, 0.03),
+        apart,
+        POINTING,
+        POINTING_COST,
+        knuckles=knuckles,
+        tip_radius_m=TIP_RADIUS_M,
+    )
 
 
 def contact_torque(model: mujoco.MjModel, qpos: np.ndarray, force_n: np.ndarray) -> np.ndarray:
