@@ -162,7 +162,9 @@ def _problem(solver: Solver) -> tuple[_Tasks, list[mink.Limit], list[mink.Task]]
         ClearanceTask(solver) if solver.knuckles else None,
         others,
     )
-    constraints = [mink.EqualityConstraintTask(model, cost=1.0)] if model.neq else []
+    constraints: list[mink.Task] = []
+    if model.neq:
+        constraints.append(mink.EqualityConstraintTask(model, cost=1.0))
     return tasks, [mink.ConfigurationLimit(model)], constraints
 
 
