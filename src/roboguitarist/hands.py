@@ -25,6 +25,8 @@ TIP_RADIUS_M = 0.0065
 TIP_Z_M = 0.0255
 """Centre of the fingertip's sphere over the J1 axis; the fingertip ends at 32 mm."""
 
+KNUCKLE_GAP_M = 0.022
+"""Distance between neighbouring fingers' knuckles."""
 PROXIMAL_M, MIDDLE_M = 0.045, 0.025
 HALF_TURN = np.pi / 2
 

@@ -9,37 +9,9 @@ from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import gaussian_filter1d
 
 from roboguitarist.fingering import Fingering
-from roboguitarist.fretting.presses import ALONG, Press
+from roboguitarist.fretting.presses import ALONG, Press, press_point, tip_height
+from roboguitarist.fretting.schedule import Moment, Pace, Timetable
 from roboguitarist.guitar import Guitar
-from roboguitarist.hands import TIP_RADIUS_M
-
-
-@dataclass(frozen=True)
-class Pace:
-    """How the fingers move.
-
-    Attributes:
-        hover_m: Height of an idle fingertip over the strings.
-        ready_m: Height of a fingertip that waits over its next place.
-        early_s: A finger is down that long before the onset.
-        release_s: It begins to leave that long before the end.
-        drop_s, lift_s: Time to come down from the waiting height, and to go up to it.
-        reach_s, reach_s_m: A finger that plays two places in a row leaves the first
-            `reach_s` + `reach_s_m` x distance before the second onset.
-        home_s: Idle fingers set out for their next place that long before its onset.
-        ramp_s: Time in which the force is built up and taken away.
-    """
-
-    hover_m: float = 0.0277
-    ready_m: float = 0.010
-    early_s: float = 0.04
-    release_s: float = 0.015
-    drop_s: float = 0.07
-    lift_s: float = 0.06
-    reach_s: float = 0.09
-    reach_s_m: float = 1.0
-    home_s: float = 0.5
-    ramp_s: float = 0.03
 
 
 @dataclass(frozen=True)
@@ -58,7 +30,7 @@ class TipPlan:
 
 
 def tip_plan(
-    presses: tuple[tuple[Press, ...], ...],
+    timetable: Timetable,
     fingering: Fingering,
     time_s: np.ndarray,
     guitar: Guitar,
@@ -67,77 +39,24 @@ def tip_plan(
     """Paths of the fingertips for a timetable of presses.
 
     Args:
-        presses: Presses of fingers 1 to 4.
+        timetable: Presses of fingers 1 to 4 and their times.
         fingering: Its hold positions say where idle fingers are at home.
         time_s: (T,) sample times.
         guitar: Where strings and frets are.
         pace: How to move.
     """
-    home = home_path(presses, fingering, time_s, guitar, pace.hover_m)
+    home = home_path(timetable.presses, fingering, time_s, guitar, pace.hover_m)
     tips, grip, force = [], [], []
-    for finger, row in enumerate(presses):
-        moments = _moments(row, guitar, pace)
-        away = _away(moments, time_s, pace)
-        played = _played(row, moments, time_s, guitar, pace)
+    for finger, (row, times) in enumerate(zip(timetable.presses, timetable.moments, strict=True)):
+        away = _away(times, time_s, pace)
+        played = _played(row, times, time_s, guitar, pace)
         tips.append(away[:, None] * played + (1 - away[:, None]) * home[:, finger])
-        grip.append(_grip(moments, time_s))
-        force.append(_pressure(moments, time_s, pace))
+        grip.append(_grip(times, time_s))
+        force.append(_pressure(times, time_s, pace))
     return TipPlan(np.stack(tips, 1), np.stack(grip, 1), np.stack(force, 1))
 
 
-@dataclass(frozen=True)
-class _Moment:
-    """Times of one press: over the string, down, leaving, up again."""
-
-    over_s: float
-    down_s: float
-    leave_s: float
-    up_s: float
-
-
-def turning_times(
-    presses: tuple[tuple[Press, ...], ...], guitar: Guitar, pace: Pace
-) -> list[float]:
-    """Times at which some finger begins or ends a movement, in seconds."""
-    times = set()
-    for row in presses:
-        for moment in _moments(row, guitar, pace):
-            times |= {moment.over_s, moment.down_s, moment.leave_s, moment.up_s}
-    return sorted(times)
-
-
-def tip_height(guitar: Guitar) -> float:
-    """Height of a fingertip's centre over the strings' axes when it touches."""
-    return TIP_RADIUS_M + guitar.string_radius_m
-
-
-def press_point(press: Press, guitar: Guitar) -> np.ndarray:
-    """Centre (3,) of the fingertip that just touches the string there, in metres."""
-    y = float(guitar.string_y(press.string, press.x_m))
-    return np.array([press.x_m, y, tip_height(guitar)])
-
-
-def _moments(row: tuple[Press, ...], guitar: Guitar, pace: Pace) -> list[_Moment]:
-    down = [press.start_s - pace.early_s for press in row]
-    leave = []
-    for index, press in enumerate(row):
-        leave_s = press.end_s - pace.release_s
-        if index + 1 < len(row):
-            way = np.linalg.norm(press_point(row[index + 1], guitar) - press_point(press, guitar))
-            needed = pace.reach_s + pace.reach_s_m * float(way)
-            leave_s = min(leave_s, down[index + 1] - needed)
-        # Never less than half of the note, however short the time for the next.
-        leave.append(max(leave_s, (press.start_s + press.end_s) / 2))
-    moments = []
-    for index in range(len(row)):
-        before = down[index] - leave[index - 1] if index else np.inf
-        after = down[index + 1] - leave[index] if index + 1 < len(row) else np.inf
-        drop, lift = min(pace.drop_s, 0.4 * before), min(pace.lift_s, 0.4 * after)
-        moments.append(_Moment(down[index] - drop, down[index], leave[index], leave[index] + lift))
-    return moments
-
-
-def _away(moments: list[_Moment], time_s: np.ndarray, pace: Pace) -> np.ndarray:
+def _away(moments: tuple[Moment, ...], time_s: np.ndarray, pace: Pace) -> np.ndarray:
     """1 while a finger plays or waits to, 0 at home."""
     knots: list[tuple[float, float]] = [(time_s[0] - 2.0, 0.0)]
     for moment in moments:
@@ -155,7 +74,7 @@ def _away(moments: list[_Moment], time_s: np.ndarray, pace: Pace) -> np.ndarray:
 
 def _played(
     row: tuple[Press, ...],
-    moments: list[_Moment],
+    moments: tuple[Moment, ...],
     time_s: np.ndarray,
     guitar: Guitar,
     pace: Pace,
@@ -174,7 +93,7 @@ def _played(
     return PchipInterpolator(times, points, axis=0)(inside)
 
 
-def _grip(moments: list[_Moment], time_s: np.ndarray) -> np.ndarray:
+def _grip(moments: tuple[Moment, ...], time_s: np.ndarray) -> np.ndarray:
     times, values = [time_s[0] - 1.0], [0.0]
     for moment in moments:
         times += [moment.over_s, moment.down_s, moment.leave_s, moment.up_s]
@@ -182,7 +101,7 @@ def _grip(moments: list[_Moment], time_s: np.ndarray) -> np.ndarray:
     return np.interp(time_s, times, values)
 
 
-def _pressure(moments: list[_Moment], time_s: np.ndarray, pace: Pace) -> np.ndarray:
+def _pressure(moments: tuple[Moment, ...], time_s: np.ndarray, pace: Pace) -> np.ndarray:
     times, values = [time_s[0] - 1.0], [0.0]
     for moment in moments:
         rise = min(pace.ramp_s, (moment.leave_s - moment.down_s) / 3)

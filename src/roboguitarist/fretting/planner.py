@@ -12,9 +12,9 @@ from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import gaussian_filter1d
 
 from roboguitarist.fingering import Fingering
-from roboguitarist.fretting.paths import Pace, tip_plan, turning_times
-from roboguitarist.fretting.presses import Press, find_presses
-from roboguitarist.guitar import Guitar
+from roboguitarist.fretting.paths import tip_plan
+from roboguitarist.fretting.presses import find_presses
+from roboguitarist.fretting.schedule import Pace, schedule
 from roboguitarist.hands import TIP_RADIUS_M
 from roboguitarist.kinematics import Solver, TipPaths, follow
 from roboguitarist.plan import PLAN_HZ, HandPlan, plan_times
@@ -93,28 +93,27 @@ def plan(
     guitar, pace = scene.guitar, config.pace
     presses = find_presses(fingering, guitar)
     time_s = plan_times(fingering.tablature.duration_s)
-    tips = tip_plan(presses, fingering, time_s, guitar, pace)
+    timetable = schedule(presses, guitar, pace)
+    tips = tip_plan(timetable, fingering, time_s, guitar, pace)
     weight = IDLE_WEIGHT + (PRESSED_WEIGHT - IDLE_WEIGHT) * tips.grip
     hand = solver(left_hand(scene))
     rest = rest_path(hand.model, tips.position_m, weight, config.base_s * PLAN_HZ)
-    knots = knot_indices(presses, time_s, guitar, pace)
-    postures = follow(
-        hand, TipPaths(tips.position_m[knots], weight[knots], rest[knots], 1.0 - tips.grip[knots])
-    )
+    knots = knot_indices(timetable.turning_times(), time_s)
+    aloft = 1.0 - tips.grip[knots]
+    paths = TipPaths(tips.position_m[knots], weight[knots], rest[knots], aloft)
+    postures = follow(hand, paths)
     qpos = PchipInterpolator(time_s[knots], postures, axis=0)(time_s)
     contact = contact_torque(hand.model, qpos, config.force_n * tips.force)
     return HandPlan(time_s, qpos, servo_targets(_alone(scene), qpos, PLAN_HZ, contact))
 
 
-def knot_indices(
-    presses: tuple[tuple[Press, ...], ...], time_s: np.ndarray, guitar: Guitar, pace: Pace
-) -> np.ndarray:
+def knot_indices(turning_s: list[float], time_s: np.ndarray) -> np.ndarray:
     """Samples at which inverse kinematics is solved: where fingers touch, leave or turn.
 
     Between them the joints move smoothly, so that no posture is left faster than a hand can.
     """
     regular = np.arange(time_s[0], time_s[-1], KNOT_S)
-    turns = np.array(turning_times(presses, guitar, pace))
+    turns = np.array(turning_s)
     away = np.abs(regular[:, None] - turns).min(axis=1, initial=np.inf) > KNOT_S / 3
     index = np.searchsorted(time_s, np.sort(np.concatenate([regular[away], turns])))
     index = np.unique(np.clip([0, *index, len(time_s) - 1], 0, len(time_s) - 1))

@@ -155,3 +155,14 @@ def _bounds(presses: list[Press], guitar: Guitar) -> tuple[np.ndarray, np.ndarra
     # High up the neck a fret space is narrower than a fingertip.
     middle = [(a + b) / 2 for a, b in zip(low, high, strict=True)]
     return np.minimum(low, middle), np.maximum(high, middle)
+
+
+def tip_height(guitar: Guitar) -> float:
+    """Height of a fingertip's centre over the strings' axes when it touches."""
+    return TIP_RADIUS_M + guitar.string_radius_m
+
+
+def press_point(press: Press, guitar: Guitar) -> np.ndarray:
+    """Centre (3,) of the fingertip that just touches the string there, in metres."""
+    y = float(guitar.string_y(press.string, press.x_m))
+    return np.array([press.x_m, y, tip_height(guitar)])
