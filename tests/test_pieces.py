@@ -78,10 +78,9 @@ def test_the_papers_eight_come_first():
 
 
 def test_the_table_says_what_the_file_says(piece: Piece, tablature: Tablature):
-    grade = _xml(piece).findtext(".//miscellaneous-field[@name='grade']")
     described = (piece.title, piece.composer, piece.source, piece.grade)
     assert all(described)
-    assert described == (tablature.title, tablature.composer, tablature.source, grade)
+    assert described == (tablature.title, tablature.composer, tablature.source, tablature.grade)
     assert not tablature.warnings
 
 

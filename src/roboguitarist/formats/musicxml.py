@@ -55,6 +55,7 @@ def read(data: bytes) -> WrittenScore:
         title=text(root, "work/work-title") or text(root, "movement-title"),
         composer=text(root, "identification/creator[@type='composer']"),
         source=text(root, "identification/source"),
+        grade=text(root, "identification/miscellaneous/miscellaneous-field[@name='grade']"),
     )
 
 

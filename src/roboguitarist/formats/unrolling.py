@@ -71,6 +71,7 @@ def unroll(score: WrittenScore, part: WrittenPart, warnings: Sequence[str] = ())
         title=score.title,
         composer=score.composer,
         source=score.source,
+        grade=score.grade,
         warnings=(*warnings, *part.warnings, *remarks),
     )
     return validate(tablature)

@@ -108,3 +108,4 @@ class WrittenScore:
     title: str = ""
     composer: str = ""
     source: str = ""
+    grade: str = ""

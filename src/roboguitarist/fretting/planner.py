@@ -45,11 +45,22 @@ KNOT_S = 0.1
 """Longest time between two solutions of the inverse kinematics."""
 MERGE_SAMPLES = 3
 """Solutions are at least that many samples apart."""
-PRESSED_WEIGHT, IDLE_WEIGHT = 100.0, 1.5
+PRESSED_WEIGHT, IDLE_WEIGHT = 100.0, 3.0
 
 # Rest posture, costs and ranges were found by random search over 61 hand shapes, judged by the
 # forces with which the shape was held in physics.
-REST_RAD = {"WRJ1": 0.15, "J3": 0.5, "J2": 1.0, "J1": 1.0, "THJ4": 1.0}
+REST_RAD = {
+    "WRJ1": 0.15,
+    "J3": 0.5,
+    "J2": 1.0,
+    "J1": 1.0,
+    # The thumb lies behind the neck.
+    "THJ5": -0.50,
+    "THJ4": 1.22,
+    "THJ3": 0.21,
+    "THJ2": 0.70,
+    "THJ1": 1.34,
+}
 RANGE_RAD = {
     "WRJ1": (-0.4, 0.3),
     "WRJ2": (-0.15, 0.15),

@@ -30,6 +30,7 @@ class Pace:
             by no more than this from that between their knuckles.
         shift_s: If not, the first leaves `shift_s` + `reach_s_m` x excess before the second
             is down, since the hand has to move.
+        keep: Share of a note for which its finger stays in any case.
         home_s: Idle fingers set out for their next place that long before its onset.
         ramp_s: Time in which the force is built up and taken away.
     """
@@ -39,11 +40,12 @@ class Pace:
     early_s: float = 0.04
     release_s: float = 0.015
     drop_s: float = 0.07
-    lift_s: float = 0.06
+    lift_s: float = 0.0657
     reach_s: float = 0.09
-    reach_s_m: float = 1.0
-    span_m: float = 0.02
-    shift_s: float = 0.03
+    reach_s_m: float = 1.12
+    span_m: float = 0.024
+    shift_s: float = 0.06
+    keep: float = 0.7
     home_s: float = 0.5
     ramp_s: float = 0.03
 
@@ -75,7 +77,7 @@ def schedule(presses: tuple[tuple[Press, ...], ...], guitar: Guitar, pace: Pace)
     """Find the times of all presses of fingers 1 to 4.
 
     A finger leaves before its note ends where it is needed elsewhere, or where the hand must
-    move on for another finger; never before the middle of the note.
+    move on for another finger.
     """
     everyone = sorted((press for row in presses for press in row), key=lambda p: p.start_s)
     starts = np.array([press.start_s for press in everyone])
@@ -92,7 +94,8 @@ def schedule(presses: tuple[tuple[Press, ...], ...], guitar: Guitar, pace: Pace)
             for other in everyone[first:last]:
                 if other.finger != press.finger and other.start_s > press.start_s:
                     leave_s = min(leave_s, _before_shift(press, other, pace))
-            leave.append(max(leave_s, (press.start_s + press.end_s) / 2))
+            kept_s = press.start_s + pace.keep * (press.end_s - press.start_s)
+            leave.append(max(leave_s, kept_s))
         rows.append(_moments(row, leave, pace))
     return Timetable(presses, tuple(rows))
 
