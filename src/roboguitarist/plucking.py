@@ -267,9 +267,9 @@ def _thumb_stroke(
 ) -> list[tuple[float, float, float]]:
     """Points (time, y, z) of one stroke, towards the treble side if `down`."""
     sign, strings = (1 if down else -1), _crossed(stroke, down)
-    reach_s = min(THUMB_REACH_S, 0.4 * gap_s)
+    reach_s = min(THUMB_REACH_S, 0.3 * gap_s)
     reach_m = sign * THUMB_REACH_M * min(1.0, max(0.5, gap_s / THUMB_RETURN_S))
-    sweep_s = min(SWEEP_S, 0.2 * gap_s)
+    sweep_s = min(SWEEP_S, 0.1 * gap_s)
     steps = range(strings[0], strings[-1] - sign, -sign)
     times = stroke.time_s + sweep_s * (np.arange(len(steps)) - (len(steps) - 1) / 2)
     rise_m = THUMB_SLOPE * abs(reach_m)

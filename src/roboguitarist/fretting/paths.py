@@ -60,12 +60,10 @@ def _away(moments: tuple[Moment, ...], time_s: np.ndarray, pace: Pace) -> np.nda
     """1 while a finger plays or waits to, 0 at home."""
     knots: list[tuple[float, float]] = [(time_s[0] - 2.0, 0.0)]
     for moment in moments:
-        starts = moment.over_s - pace.home_s
-        if starts > knots[-1][0]:
-            knots.append((starts, 0.0))
+        if moment.over_s - pace.home_s > knots[-1][0]:
+            knots += [(moment.over_s - pace.home_s, 0.0), (moment.over_s, 1.0)]
         else:
             knots.pop()  # not worth going home
-        knots += [(moment.over_s, 1.0)] if moment.over_s > knots[-1][0] else []
         knots += [(moment.up_s, 1.0), (moment.up_s + pace.home_s, 0.0)]
     knots.append((max(time_s[-1], knots[-1][0]) + 2.0, 0.0))
     times, values = zip(*knots, strict=True)

@@ -13,6 +13,9 @@ from roboguitarist.hands import KNUCKLE_GAP_M
 TOUCHING_S = 0.1
 """Presses that follow each other within this time compete for the hand's place."""
 
+LEAST_S = 0.01
+"""Shortest time that a finger is down, and that it takes from one place to the next."""
+
 
 @dataclass(frozen=True)
 class Pace:
@@ -114,7 +117,12 @@ def _before_shift(press: Press, other: Press, pace: Pace) -> float:
 
 
 def _moments(row: tuple[Press, ...], leave: list[float], pace: Pace) -> tuple[Moment, ...]:
-    down = [press.start_s - pace.early_s for press in row]
+    """Times of a finger's presses, however fast they follow each other."""
+    down: list[float] = []
+    for index, press in enumerate(row):
+        ready_s = leave[index - 1] + LEAST_S if index else -np.inf
+        down.append(max(press.start_s - pace.early_s, ready_s))
+        leave[index] = max(leave[index], down[index] + LEAST_S)
     moments = []
     for index in range(len(row)):
         before = down[index] - leave[index - 1] if index else np.inf
