@@ -40,17 +40,17 @@ class Pace:
 
     hover_m: float = 0.0277
     ready_m: float = 0.010
-    early_s: float = 0.04
+    early_s: float = 0.0479
     release_s: float = 0.015
     drop_s: float = 0.07
     lift_s: float = 0.0657
-    reach_s: float = 0.09
+    reach_s: float = 0.07
     reach_s_m: float = 1.12
-    span_m: float = 0.024
+    span_m: float = 0.0314
     shift_s: float = 0.06
-    keep: float = 0.7
+    keep: float = 0.68
     home_s: float = 0.5
-    ramp_s: float = 0.03
+    ramp_s: float = 0.0226
 
 
 @dataclass(frozen=True)
