@@ -20,7 +20,7 @@ TIPS = ("lh_fftip", "lh_mftip", "lh_rftip", "lh_lftip")
 KNUCKLE_RADIUS_M = 0.009
 
 # The thumb lies behind the neck.
-_THUMB = {"THJ5": -0.50, "THJ4": 1.22, "THJ3": 0.21, "THJ2": 0.70, "THJ1": 1.34}
+_THUMB = {"THJ5": -0.50, "THJ4": 1.22, "THJ3": 0.209, "THJ2": 0.698, "THJ1": 1.34}
 
 
 @dataclass(frozen=True)
