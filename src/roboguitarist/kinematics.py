@@ -85,7 +85,9 @@ def follow(
         (T, nq) joint positions in rad and m.
     """
     tasks, limits, constraints = _problem(solver)
-    configuration = mink.Configuration(solver.model, paths.rest[0])
+    configuration = mink.Configuration(
+        solver.model, np.clip(paths.rest[0], *solver.model.jnt_range.T)
+    )
     out = np.empty((len(paths.position_m), solver.model.nq))
     ticks: Sequence[int] = range(len(out))
     settled = False
@@ -245,7 +247,11 @@ class ClearanceTask(mink.Task):
         return np.minimum(0.0, place[:, 2] - self.radius - self.over_m) * inside
 
     def compute_jacobian(self, configuration: mink.Configuration) -> np.ndarray:
-        """Derivative (points, nv) of the error; zero for points that are high enough."""
+        """Derivative (points, nv) of the error; zero for points that are high enough.
+
+        In the strip where the demand fades it is that of the height alone, so that points are
+        lifted there rather than driven off the edge.
+        """
         model, data = configuration.model, configuration.data
         error, jacobian = self.compute_error(configuration), np.zeros((len(self.radius), model.nv))
         arm = np.empty((3, model.nv))
@@ -271,7 +277,7 @@ def _aim(tasks: _Tasks, paths: TipPaths, tick: int) -> None:
 
 
 def _unchanged(paths: TipPaths, tick: int) -> bool:
+    targets = (paths.position_m, paths.weight, paths.rest, paths.aloft)
     return all(
-        np.array_equal(values[tick], values[tick - 1])
-        for values in (paths.position_m, paths.weight, paths.rest)
+        values is None or np.array_equal(values[tick], values[tick - 1]) for values in targets
     )
