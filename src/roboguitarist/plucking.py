@@ -26,19 +26,22 @@ ELLIPSE_M = (0.005, 0.0025)
 """Half axes a and b (section 6)."""
 TILT_RAD = -np.pi / 9
 """The stroke rises towards the bass side, out of the strings (section 6: 20 degrees)."""
+LOW_TURN = (0.15, 0.65)
+"""Part of the turn around the ellipse in which the fingertip's end is less than 1.1 mm above the
+string's axis or below it."""
 DEPTH_M = 0.0012
 """How far below the string's axis the fingertip's end crosses it."""
 HALF_STROKE_S = 0.09
 """Time that a finger takes from its place over the strings to the crossing."""
 THUMB_REACH_M = 0.005
-THUMB_HOVER_M = 0.005
+THUMB_HOVER_M = 0.004
 THUMB_REACH_S = 0.045
 """The thumb starts and ends its stroke that far beside the string, and as long before and after."""
 THUMB_RETURN_S = 0.2
 """Strokes further apart than this all go down, towards the treble side."""
 THUMB_SLOPE = 0.5
 """The thumb's line rises out of the strings by this much per metre."""
-UP_STROKE_COST = 0.15
+UP_STROKE_COST = 0.05
 """What an up-stroke costs beside the squared speeds (m^2/s^2) that it saves."""
 HOP_M = 0.02
 """Way that hopping over a string costs."""
@@ -178,8 +181,17 @@ def _finger_path(strokes, time_s, x, guitar, finger):
     y = a * np.cos(angle) * cos - b * np.sin(angle) * sin
     z = a * np.cos(angle) * sin + b * np.sin(angle) * cos
     bottom_y, bottom_z = b * sin, -b * cos
-    string_y = float(guitar.string_y(4 - finger, x))
-    return y + string_y - bottom_y, z - DEPTH_M - bottom_z
+    return y + _string_path(strokes, turn, x, guitar, finger) - bottom_y, z - DEPTH_M - bottom_z
+
+
+def _string_path(strokes, turn, x, guitar, finger):
+    """Sideways place (T,) of the string in play, changed only while the finger is above it."""
+    if not strokes:
+        return float(guitar.string_y(4 - finger, x))
+    turns = np.add.outer(np.arange(len(strokes)), LOW_TURN).ravel()
+    strings = np.repeat([stroke.strings[0] for stroke in strokes], 2)
+    path = PchipInterpolator(turns, guitar.string_y(strings, x))
+    return path(np.clip(turn, turns[0], turns[-1]))
 
 
 def _room(strokes: tuple[Stroke, ...], first: int, second: int) -> float:
@@ -205,8 +217,7 @@ def _thumb_path(strokes, time_s, x, guitar, finger):
     for index, (stroke, down) in enumerate(
         zip(strokes, thumb_directions(strokes, strings_y), strict=True)
     ):
-        quick = min(_gap(strokes, index - 1, index), _gap(strokes, index, index + 1))
-        passage = _thumb_stroke(stroke, strings_y, down, quick)
+        passage = _thumb_stroke(stroke, strings_y, down, _reaches(strokes, index))
         points += [*_thumb_transfer(points[-1], passage[0], strings_y), *passage]
     last_s, last_y, _ = points[-1]
     points.append((last_s + 0.06, last_y, THUMB_HOVER_M))
@@ -237,7 +248,8 @@ def thumb_directions(strokes: tuple[Stroke, ...], strings_y: np.ndarray) -> list
             entry_y -= THUMB_REACH_M * (1 if after == 0 else -1)
             hop_m = HOP_M * _strings_between(exit_y, entry_y, strings_y)
             speed = (abs(entry_y - exit_y) + hop_m) / gap_s
-            step[before, after] = cost[before] + speed**2 + UP_STROKE_COST * after
+            up = UP_STROKE_COST * after * len(strokes[index].strings) ** 2
+            step[before, after] = cost[before] + speed**2 + up
         came_from.append(step.argmin(axis=0))
         cost = step.min(axis=0)
     choice = [int(cost.argmin())]
@@ -262,22 +274,38 @@ def _gap(strokes: tuple[Stroke, ...], first: int, second: int) -> float:
     return strokes[second].time_s - strokes[first].time_s
 
 
+def _reaches(strokes: tuple[Stroke, ...], index: int) -> tuple[float, float]:
+    """Times from the start of a thumb stroke to its string, and from there to its end."""
+    times = []
+    for other, (first, second) in (
+        (index - 1, (index - 1, index)),
+        (index + 1, (index, index + 1)),
+    ):
+        gap_s = _gap(strokes, first, second)
+        # On one string nothing has to be crossed between two strokes.
+        same = gap_s < np.inf and strokes[other].strings == strokes[index].strings
+        times.append(min(THUMB_REACH_S, (0.4 if same else 0.2) * gap_s))
+    return times[0], times[1]
+
+
 def _thumb_stroke(
-    stroke: Stroke, strings_y: np.ndarray, down: bool, gap_s: float
+    stroke: Stroke, strings_y: np.ndarray, down: bool, reaches_s: tuple[float, float]
 ) -> list[tuple[float, float, float]]:
     """Points (time, y, z) of one stroke, towards the treble side if `down`."""
     sign, strings = (1 if down else -1), _crossed(stroke, down)
-    reach_s = min(THUMB_REACH_S, 0.3 * gap_s)
-    reach_m = sign * THUMB_REACH_M * min(1.0, max(0.5, gap_s / THUMB_RETURN_S))
-    sweep_s = min(SWEEP_S, 0.1 * gap_s)
+    before_s, after_s = reaches_s
+    before_m, after_m = (
+        sign * THUMB_REACH_M * max(0.5, reach_s / THUMB_REACH_S) for reach_s in reaches_s
+    )
+    sweep_s = min(SWEEP_S, *reaches_s)
     steps = range(strings[0], strings[-1] - sign, -sign)
     times = stroke.time_s + sweep_s * (np.arange(len(steps)) - (len(steps) - 1) / 2)
-    rise_m = THUMB_SLOPE * abs(reach_m)
-    points = [(times[0] - reach_s, strings_y[strings[0] - 1] - reach_m, -DEPTH_M - rise_m)]
+    start_y, end_y = strings_y[strings[0] - 1] - before_m, strings_y[strings[-1] - 1] + after_m
+    points = [(times[0] - before_s, start_y, -DEPTH_M - THUMB_SLOPE * abs(before_m))]
     for time_s, string in zip(times, steps, strict=True):
         z = -DEPTH_M if string in strings else THUMB_HOVER_M / 2
         points.append((time_s, strings_y[string - 1], z))
-    points.append((times[-1] + reach_s, strings_y[strings[-1] - 1] + reach_m, rise_m - DEPTH_M))
+    points.append((times[-1] + after_s, end_y, THUMB_SLOPE * abs(after_m) - DEPTH_M))
     return points
 
 
@@ -286,7 +314,12 @@ def _thumb_transfer(
 ) -> list[tuple[float, float, float]]:
     """Points between two strokes: over the strings, or none if no string lies between."""
     (start_s, start_y, _), (end_s, end_y, _) = start, end
-    step_s = min(0.06, (end_s - start_s) / 3)
-    if step_s < 0.03 and not _strings_between(start_y, end_y, strings_y):
+    step_s = min(0.06, (end_s - start_s) / 4)
+    if step_s < 0.0225 and not _strings_between(start_y, end_y, strings_y):
         return []
-    return [(start_s + step_s, start_y, THUMB_HOVER_M), (end_s - step_s, end_y, THUMB_HOVER_M)]
+    # The way across begins while the thumb still rises: less than half the way to a string.
+    lead_m = 0.1 * (end_y - start_y)
+    return [
+        (start_s + step_s, start_y + lead_m, THUMB_HOVER_M),
+        (end_s - step_s, end_y - lead_m, THUMB_HOVER_M),
+    ]
