@@ -237,7 +237,8 @@ def thumb_directions(strokes: tuple[Stroke, ...], strings_y: np.ndarray) -> list
         strokes: The thumb's strokes in order of time.
         strings_y: (6,) positions of strings 1 to 6 in metres.
     """
-    cost, came_from = np.array([0.0, UP_STROKE_COST]), []
+    up = [UP_STROKE_COST * len(stroke.strings) ** 2 for stroke in strokes]
+    cost, came_from = np.array([0.0, *up[:1]]), []
     for index in range(1, len(strokes)):
         gap_s = _gap(strokes, index - 1, index)
         step = np.empty((2, 2))
@@ -248,8 +249,7 @@ def thumb_directions(strokes: tuple[Stroke, ...], strings_y: np.ndarray) -> list
             entry_y -= THUMB_REACH_M * (1 if after == 0 else -1)
             hop_m = HOP_M * _strings_between(exit_y, entry_y, strings_y)
             speed = (abs(entry_y - exit_y) + hop_m) / gap_s
-            up = UP_STROKE_COST * after * len(strokes[index].strings) ** 2
-            step[before, after] = cost[before] + speed**2 + up
+            step[before, after] = cost[before] + speed**2 + after * up[index]
         came_from.append(step.argmin(axis=0))
         cost = step.min(axis=0)
     choice = [int(cost.argmin())]
