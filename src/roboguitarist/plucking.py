@@ -284,7 +284,8 @@ def _reaches(strokes: tuple[Stroke, ...], index: int) -> tuple[float, float]:
         gap_s = _gap(strokes, first, second)
         # On one string nothing has to be crossed between two strokes.
         same = gap_s < np.inf and strokes[other].strings == strokes[index].strings
-        times.append(min(THUMB_REACH_S, (0.4 if same else 0.2) * gap_s))
+        share = (0.4 if same else 0.2) / len(strokes[index].strings)
+        times.append(min(THUMB_REACH_S, share * gap_s))
     return times[0], times[1]
 
 
