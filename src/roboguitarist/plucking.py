@@ -8,7 +8,6 @@ tilt about x alone, and T places the ellipse's lower arc on the string.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import groupby
 
 import mujoco
 import numpy as np
@@ -20,6 +19,7 @@ from roboguitarist.kinematics import Solver, TipPaths, follow
 from roboguitarist.plan import PLAN_HZ, SERVO_DELAY_S, HandPlan, plan_times
 from roboguitarist.scene import NAILS, SceneConfig, build
 from roboguitarist.servo import servo_targets
+from roboguitarist.tablature import Note
 
 THUMB = 0
 ELLIPSE_M = (0.005, 0.0025)
@@ -106,18 +106,18 @@ def find_strokes(fingering: Fingering) -> tuple[tuple[Stroke, ...], ...]:
 
     Notes of one finger with one onset are one stroke, from the bass to the treble side.
     """
-    notes = fingering.tablature.notes
     strokes = []
     for finger in range(4):
-        plucks = sorted(
-            (round(note.onset_s / TOGETHER_S), -note.string, note.onset_s)
-            for note, right in zip(notes, fingering.right, strict=True)
-            if right == finger
-        )
-        groups = (list(group) for _, group in groupby(plucks, key=lambda pluck: pluck[0]))
+        groups: list[list[Note]] = []
+        for note, right in zip(fingering.tablature.notes, fingering.right, strict=True):
+            if right != finger:
+                continue
+            if not groups or note.onset_s - groups[-1][0].onset_s > TOGETHER_S:
+                groups.append([])
+            groups[-1].append(note)
         strokes.append(
             tuple(
-                Stroke(finger, group[0][2], tuple(dict.fromkeys(-string for _, string, _ in group)))
+                Stroke(finger, group[0].onset_s, tuple(sorted({n.string for n in group})[::-1]))
                 for group in groups
             )
         )
