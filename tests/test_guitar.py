@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.guitar import PRESETS, STRINGS, Guitar, preset
+from roboguitarist.plucking import PLUCK_X_M
 
 SCALES = st.floats(0.3, 1.0)
 GUITARS = st.builds(
@@ -96,6 +97,7 @@ def test_presets_hold_together(guitar):
     assert guitar.body_x_m < end < guitar.scale_length_m
     assert end - 0.03 < hole[0] < hole[1] < guitar.scale_length_m
     assert guitar.action_m > guitar.string_radius_m
+    assert guitar.sound_hole_radius_m > np.abs(PLUCK_X_M).max() + 0.004
 
 
 def test_the_classical_guitar_keeps_its_dimensions():

@@ -57,7 +57,8 @@ def crossings(path: np.ndarray, time_s: np.ndarray) -> list[tuple[float, int, fl
     share = offset[step, string] / (offset[step, string] - offset[step + 1, string])
     z = path[step, 2] + share * (path[step + 1, 2] - path[step, 2])
     time = time_s[step] + share * (time_s[step + 1] - time_s[step])
-    return [(t, s + 1, h) for t, s, h in zip(time, string, z, strict=True) if h < 0]
+    crossed = zip(time.tolist(), string.tolist(), z.tolist(), strict=True)
+    return [(t, s + 1, h) for t, s, h in crossed if h < 0]
 
 
 def test_strokes_gather_what_one_finger_plays_at_once():

@@ -77,7 +77,7 @@ class Guitar:
 PRESETS = {
     "classical": Guitar(),
     "steel": Guitar("steel", 0.648, 0.036, 0.054, 20, 0.0006, 0.002, 0.32, 0.485, 0.05),
-    "electric": Guitar("electric", 0.648, 0.035, 0.052, 22, 0.0005, 0.0018, 0.42, 0.49, 0.03),
+    "electric": Guitar("electric", 0.648, 0.035, 0.052, 22, 0.0005, 0.0018, 0.42, 0.49, 0.04),
     "three-quarter": Guitar("three-quarter", 0.580, 0.040, 0.054, 19, 0.0008, 0.0025, 0.29, 0.437),
 }
 

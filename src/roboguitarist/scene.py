@@ -28,9 +28,10 @@ SLIDE_RANGE_M = {"x": (-0.06, 0.42), "y": (-0.08, 0.10), "z": (-0.08, 0.08)}
 SLIDE_GAIN_N_M = 8000.0
 SLIDE_FORCE_N = 200.0
 """A human arm shifts 10 cm in about 150 ms, which for this hand's 4.3 kg takes up to 110 N."""
-RIGHT_BASE_M = (0.558, -0.326, 0.110)
+RIGHT_BASE_M = (0.068, -0.326, 0.110)
 RIGHT_TURN_RAD, RIGHT_PITCH_RAD = 0.170, -0.058
-"""Fixed pose of the right forearm, found by least squares over all stroke points of p, i, m, a."""
+"""Fixed pose of the right forearm as seen from the centre of the sound hole, found by least squares
+over all stroke points of p, i, m, a."""
 NAILS = ("rh_thnail", "rh_ffnail", "rh_mfnail", "rh_rfnail")
 """Sites that pluck: p, i, m, a."""
 
@@ -82,9 +83,9 @@ def build_spec(config: SceneConfig) -> mujoco.MjSpec:
         _add_collision(spec, "left")
         _add_power_sensors(spec)
     if "right" in config.sides:
-        base = spec.worldbody.add_body(
-            name="rh_forearm", pos=RIGHT_BASE_M, quat=_right_orientation()
-        )
+        x, y, z = RIGHT_BASE_M
+        pos = (config.guitar.sound_hole_x_m + x, y, z)
+        base = spec.worldbody.add_body(name="rh_forearm", pos=pos, quat=_right_orientation())
         add_hand(spec, base, "right", config.hand)
         _add_collision(spec, "right")
         _add_nail_sensors(spec)

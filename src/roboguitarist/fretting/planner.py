@@ -38,7 +38,8 @@ class PlannerConfig:
 
 
 CONFIGS: dict[Variant, PlannerConfig] = {
-    variant: PlannerConfig(posture) for variant, posture in POSTURES.items()
+    "linkage": PlannerConfig(POSTURES["linkage"]),
+    "tendon": PlannerConfig(POSTURES["tendon"], Pace(release_s=0.032), 1.98, 0.045),
 }
 KNOT_S = 0.1
 """Longest time between two solutions of the inverse kinematics."""

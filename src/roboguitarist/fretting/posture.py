@@ -80,10 +80,13 @@ POSTURES: dict[Variant, Posture] = {
     # A tendon's finger rests when the string's force lies along the middle phalanx, or when the
     # last joint is straight: it comes down with both nearly upright.
     "tendon": Posture(
-        {"WRJ1": 0.15, "J3": 1.0, "J2": 1.2, "J1": 0.3, **_THUMB},
-        {**_LIMITS, "J3": (-0.2, 1.3), "J1": (0.0, 1.4)},
-        _COST,
-        bend=-0.9,
+        {"WRJ1": 0.165, "J3": 1.32, "J2": 1.26, "J1": 0.064, **_THUMB},
+        {**_LIMITS, "J3": (-0.2, 1.45), "J1": (0.007, 1.4)},
+        {**_COST, "WRJ1": 1.27, "J3": 0.0183, "J2": 0.0209, "J1": 0.0209},
+        pointing=(0.0, -0.26, -1.0),
+        pointing_cost=0.124,
+        idle=4.62,
+        bend=-1.2,
     ),
 }
 
