@@ -168,8 +168,7 @@ def test_the_tips_stay_in_the_sound_hole_and_smooth(finger):
     assert np.ptp(along) == 0
     speed = np.linalg.norm(np.diff(path, axis=0), axis=1) / FINE_S
     assert speed.max() < 2.0
-    still = time_s[1:] < 0.3
-    assert speed[still].max() < 0.05
+    assert speed[time_s[1:] < 0.3].max() < 0.05
 
 
 def test_a_finger_returns_over_the_strings_on_an_ellipse():
