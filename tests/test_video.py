@@ -160,6 +160,16 @@ def test_a_broken_driver_is_one_line_too(performance, monkeypatch):
         video.still(performance, 0.0, size=SIZE)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems draw without a display server")
+@pytest.mark.filterwarnings("ignore")
+def test_a_window_system_without_a_display_is_one_line_too(performance, monkeypatch):
+    monkeypatch.setenv("MUJOCO_GL", "glfw")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    with pytest.raises(video.UnavailableError, match="libegl1"):
+        video.still(performance, 0.0, size=SIZE)
+
+
 @pytest.mark.parametrize("module", ["av", "PIL"])
 def test_without_the_extra_one_line_says_how_to_get_it(performance, monkeypatch, module):
     monkeypatch.setitem(sys.modules, module, None)

@@ -75,6 +75,9 @@ class Canvas:
         model: A model with visuals.
         size: Width and height in pixels.
         high: With shadows and smooth edges.
+
+    Raises:
+        UnavailableError: If this machine cannot draw.
     """
 
     def __init__(self, model: mujoco.MjModel, size: tuple[int, int], high: bool = False) -> None:
@@ -86,7 +89,10 @@ class Canvas:
         if not high:
             visual.quality.shadowsize = 0
         self._context = open_context(*size)
-        self._drawing = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
+        try:
+            self._drawing = mujoco.MjrContext(model, mujoco.mjtFontScale.mjFONTSCALE_100)
+        except mujoco.FatalError as error:  # such as a window system without a display
+            raise UnavailableError(f"OpenGL does not draw ({error}); {_INSTALL}") from error
         mujoco.mjr_setBuffer(mujoco.mjtFramebuffer.mjFB_OFFSCREEN, self._drawing)
         self._scene = mujoco.MjvScene(model, MAX_GEOMS)
         self._scene.flags[mujoco.mjtRndFlag.mjRND_SHADOW] = high
