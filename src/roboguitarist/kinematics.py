@@ -116,9 +116,12 @@ def _descend(
     damping, cost = _DAMPING, _cost(configuration, tasks)
     for _ in range(iterations):
         before = configuration.q.copy()
-        step = mink.solve_ik(
-            configuration, tasks, 1.0, "daqp", damping, limits=limits, constraints=constraints
-        )
+        try:
+            step = mink.solve_ik(
+                configuration, tasks, 1.0, "daqp", damping, limits=limits, constraints=constraints
+            )
+        except mink.NoSolutionFound:
+            return False  # the limits contradict the coupling: stay here
         configuration.integrate_inplace(step, 1.0)
         if np.abs(step).max() < _TOLERANCE:
             return True
