@@ -56,6 +56,7 @@ def test_a_wire_stops_what_is_pressed_behind_it(guitar):
     wires = guitar.fret_x(np.arange(1, guitar.n_frets + 1))
     frets = np.arange(1, guitar.n_frets + 1)
     np.testing.assert_array_equal(guitar.fret_at(wires - 1e-9), frets)
+    np.testing.assert_array_equal(guitar.fret_at(wires), frets)
     np.testing.assert_array_equal(guitar.fret_at(wires + 1e-9), frets + 1)
 
 

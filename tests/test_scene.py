@@ -178,6 +178,13 @@ def test_strings_are_read_independently(probes, presses):
     np.testing.assert_allclose(read.force_n, expected, rtol=0.02, atol=1e-9)
 
 
+def test_a_string_with_more_contacts_than_its_sensor_holds_reports_the_firmest(probes):
+    force_n = {ball: 0.5 * ball for ball in ALL_STRINGS}
+    read = probes.press({ball: GUITAR.press_point(3, 2 * ball) for ball in ALL_STRINGS}, force_n)
+    expected = [0.0, 0.0, 1.5, 2.0, 2.5, 3.0]
+    np.testing.assert_allclose(read.force_n[0, 2, 1:12:2], expected, rtol=0.02)
+
+
 def test_a_finger_laid_flat_presses_every_string():
     spec = build_spec(SceneConfig(sides=(), visuals=False))
     x = float(GUITAR.press_point(1, 5)[0])
