@@ -169,7 +169,6 @@ def test_every_wire_divides_its_frets(probes, side):
     )
 )
 def test_strings_are_read_independently(probes, presses):
-    # Neighbouring balls meet no one but the strings, like fingers that are apart.
     points = {string: GUITAR.press_point(string, fret) for string, (fret, _) in presses.items()}
     read = probes.press(points, {string: force for string, (_, force) in presses.items()})
     expected = np.zeros_like(read.force_n)
