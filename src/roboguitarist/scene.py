@@ -32,6 +32,8 @@ RIGHT_BASE_M = (0.068, -0.326, 0.110)
 RIGHT_TURN_RAD, RIGHT_PITCH_RAD = 0.170, -0.058
 """Fixed pose of the right forearm as seen from the centre of the sound hole, found by least squares
 over all stroke points of p, i, m, a."""
+LEFT_TIPS = ("lh_fftip", "lh_mftip", "lh_rftip", "lh_lftip")
+"""Centres of the fingertips that fret: fingers 1 to 4."""
 NAILS = ("rh_thnail", "rh_ffnail", "rh_mfnail", "rh_rfnail")
 """Sites that pluck: p, i, m, a."""
 
@@ -82,13 +84,14 @@ def build_spec(config: SceneConfig) -> mujoco.MjSpec:
         add_hand(spec, base, "left", config.hand)
         _add_collision(spec, "left")
         _add_power_sensors(spec)
+        _add_site_sensors(spec, LEFT_TIPS)
     if "right" in config.sides:
         x, y, z = RIGHT_BASE_M
         pos = (config.guitar.sound_hole_x_m + x, y, z)
         base = spec.worldbody.add_body(name="rh_forearm", pos=pos, quat=_right_orientation())
         add_hand(spec, base, "right", config.hand)
         _add_collision(spec, "right")
-        _add_nail_sensors(spec)
+        _add_site_sensors(spec, NAILS)
     if config.visuals:
         dress(spec, config.guitar, config.sides)
     return spec
@@ -207,8 +210,8 @@ def _add_power_sensors(spec: mujoco.MjSpec) -> None:
             )
 
 
-def _add_nail_sensors(spec: mujoco.MjSpec) -> None:
-    for site in NAILS:
+def _add_site_sensors(spec: mujoco.MjSpec, sites: tuple[str, ...]) -> None:
+    for site in sites:
         spec.add_sensor(
             name=site,
             type=mujoco.mjtSensor.mjSENS_FRAMEPOS,

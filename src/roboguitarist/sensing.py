@@ -49,8 +49,8 @@ def stops(model: mujoco.MjModel, sensordata: np.ndarray, guitar: Guitar) -> Stop
         sensordata: (N, nsensordata) readings.
         guitar: Where the frets are.
     """
-    columns = [_columns(model, f"string_{string}") for string in STRINGS]
-    readings = sensordata[:, np.array(columns)].reshape(
+    found_at = np.array([columns(model, f"string_{string}") for string in STRINGS])
+    readings = sensordata[:, found_at].reshape(
         len(sensordata), len(STRINGS), CONTACTS_PER_STRING, SENSOR_WIDTH
     )
     found, force = readings[..., 0] > 0, np.abs(readings[..., 1])
@@ -95,8 +95,7 @@ def plucks(
         time_s: (S,) their times.
         guitar: Where strings and sound hole are.
     """
-    columns = np.array([_columns(model, nail) for nail in NAILS])
-    nail = sensordata[:, columns]
+    nail = sensordata[:, np.array([columns(model, nail) for nail in NAILS])]
     x, y, z = nail[..., 0], nail[..., 1], nail[..., 2]
     offset = y[..., None] - guitar.string_y(STRINGS, x[..., None])
     step, finger, string = np.nonzero((offset[:-1] < 0) != (offset[1:] < 0))
@@ -125,16 +124,23 @@ def plucks(
 
 def left_power(model: mujoco.MjModel, sensordata: np.ndarray) -> np.ndarray:
     """Absolute mechanical power (N,) in watts of the left hand's actuators."""
-    names = [model.sensor(index).name for index in range(model.nsensor)]
-    actuators = [name.removesuffix("_force") for name in names if name.endswith("_force")]
-    force, velocity = (
-        sensordata[:, [_columns(model, f"{actuator}_{kind}")[0] for actuator in actuators]]
-        for kind in ("force", "velocity")
-    )
+    force, velocity = (sensordata[:, found_at] for found_at in power_columns(model))
     return np.abs(force * velocity).sum(axis=1)
 
 
-def _columns(model: mujoco.MjModel, sensor: str) -> list[int]:
+def power_columns(model: mujoco.MjModel) -> tuple[list[int], list[int]]:
+    """Where forces and velocities of the left hand's actuators are in `sensordata`."""
+    names = [model.sensor(index).name for index in range(model.nsensor)]
+    actuators = [name.removesuffix("_force") for name in names if name.endswith("_force")]
+    force, velocity = (
+        [columns(model, f"{actuator}_{kind}")[0] for actuator in actuators]
+        for kind in ("force", "velocity")
+    )
+    return force, velocity
+
+
+def columns(model: mujoco.MjModel, sensor: str) -> list[int]:
+    """Where a sensor's readings are in `sensordata`."""
     index = model.sensor(sensor).id
     start = model.sensor_adr[index]
     return list(range(start, start + model.sensor_dim[index]))

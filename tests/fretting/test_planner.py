@@ -7,11 +7,11 @@ import pytest
 from roboguitarist import formats, pieces
 from roboguitarist.fingering import assign
 from roboguitarist.fretting.planner import contact_torque, knot_indices, plan
-from roboguitarist.fretting.posture import POSTURES, TIPS, solver
+from roboguitarist.fretting.posture import POSTURES, solver
 from roboguitarist.metrics import evaluate
 from roboguitarist.performance import PerformConfig, perform
 from roboguitarist.plan import plan_times
-from roboguitarist.scene import SceneConfig
+from roboguitarist.scene import LEFT_TIPS, SceneConfig
 from roboguitarist.tablature import Note, Tablature
 
 C_MAJOR = Tablature(
@@ -45,7 +45,7 @@ def test_planned_fingertips_are_on_their_strings(chord):
     data.qpos[:] = chord.qpos[np.searchsorted(chord.time_s, 1.2)]
     mujoco.mj_kinematics(model, data)
     guitar = SceneConfig().guitar
-    for tip, string, fret in zip(TIPS, (2, 4, 5), (1, 2, 3), strict=False):
+    for tip, string, fret in zip(LEFT_TIPS, (2, 4, 5), (1, 2, 3), strict=False):
         x, y, _ = data.site(tip).xpos
         assert int(guitar.fret_at(np.array(x))) == fret
         assert abs(y - guitar.string_y(string, x)) < 0.002
@@ -64,7 +64,7 @@ def test_contact_torque_is_the_force_times_the_jacobian():
     def heights(positions: np.ndarray) -> np.ndarray:
         data.qpos[:] = positions
         mujoco.mj_kinematics(model, data)
-        return np.array([data.site(tip).xpos[2] for tip in TIPS])
+        return np.array([data.site(tip).xpos[2] for tip in LEFT_TIPS])
 
     for tick in (0, 2):
         work = force[tick] @ (heights(qpos[tick] + step) - heights(qpos[tick] - step)) / 2

@@ -2,9 +2,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from roboguitarist.fretting.posture import POSTURES, TIPS, rest_path, solver
+from roboguitarist.fretting.posture import POSTURES, rest_path, solver
 from roboguitarist.hands import VARIANTS
-from roboguitarist.scene import SceneConfig
+from roboguitarist.scene import LEFT_TIPS, SceneConfig
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
@@ -39,5 +39,5 @@ def test_the_hand_is_moved_to_its_work():
     data = mujoco.MjData(model)
     data.qpos[:] = rest_path(model, posture, wanted, np.ones((1, 4)), 1.0)[0]
     mujoco.mj_kinematics(model, data)
-    tips = np.array([data.site(name).xpos for name in TIPS])
+    tips = np.array([data.site(name).xpos for name in LEFT_TIPS])
     assert tips.mean(axis=0) == pytest.approx(wanted[0].mean(axis=0), abs=0.004)

@@ -10,13 +10,13 @@ from scipy.interpolate import PchipInterpolator
 
 from roboguitarist.fingering import Fingering
 from roboguitarist.fretting.paths import tip_plan
-from roboguitarist.fretting.posture import POSTURES, TIPS, Posture, left_alone, rest_path, solver
+from roboguitarist.fretting.posture import POSTURES, Posture, left_alone, rest_path, solver
 from roboguitarist.fretting.presses import find_presses
 from roboguitarist.fretting.schedule import Pace, schedule
 from roboguitarist.hands import TIP_RADIUS_M, Variant
 from roboguitarist.kinematics import TipPaths, follow
 from roboguitarist.plan import PLAN_HZ, HandPlan, plan_times
-from roboguitarist.scene import SceneConfig
+from roboguitarist.scene import LEFT_TIPS, SceneConfig
 from roboguitarist.servo import servo_targets
 
 
@@ -39,7 +39,12 @@ class PlannerConfig:
 
 CONFIGS: dict[Variant, PlannerConfig] = {
     "linkage": PlannerConfig(POSTURES["linkage"]),
-    "tendon": PlannerConfig(POSTURES["tendon"], Pace(release_s=0.032), 1.98, 0.045),
+    "tendon": PlannerConfig(
+        POSTURES["tendon"],
+        Pace(early_s=0.0497, release_s=0.0299, hover_m=0.0193),
+        1.98,
+        0.0376,
+    ),
 }
 KNOT_S = 0.1
 """Longest time between two solutions of the inverse kinematics."""
@@ -103,8 +108,8 @@ def contact_torque(model: mujoco.MjModel, qpos: np.ndarray, force_n: np.ndarray)
         force_n: (T, 4) normal forces of fingers 1 to 4, in N.
     """
     data, jacobian = mujoco.MjData(model), np.zeros((3, model.nv))
-    bodies = [model.site(name).bodyid[0] for name in TIPS]
-    sites = [model.site(name).id for name in TIPS]
+    bodies = [model.site(name).bodyid[0] for name in LEFT_TIPS]
+    sites = [model.site(name).id for name in LEFT_TIPS]
     down = np.array([0.0, 0.0, -TIP_RADIUS_M])
     torque = np.zeros((len(qpos), model.nv))
     for tick in np.flatnonzero(force_n.any(axis=1)):

@@ -12,11 +12,10 @@ from scipy.ndimage import gaussian_filter1d
 
 from roboguitarist.hands import TIP_RADIUS_M, Variant
 from roboguitarist.kinematics import Solver
-from roboguitarist.scene import SceneConfig, build
+from roboguitarist.scene import LEFT_TIPS, SceneConfig, build
 
 Value = TypeVar("Value")
 FINGERS = ("FF", "MF", "RF", "LF")
-TIPS = ("lh_fftip", "lh_mftip", "lh_rftip", "lh_lftip")
 KNUCKLE_RADIUS_M = 0.009
 
 # The thumb lies behind the neck.
@@ -80,13 +79,13 @@ POSTURES: dict[Variant, Posture] = {
     # A tendon's finger rests when the string's force lies along the middle phalanx, or when the
     # last joint is straight: it comes down with both nearly upright.
     "tendon": Posture(
-        {"WRJ1": 0.165, "J3": 1.32, "J2": 1.26, "J1": 0.064, **_THUMB},
-        {**_LIMITS, "J3": (-0.2, 1.45), "J1": (0.007, 1.4)},
-        {**_COST, "WRJ1": 1.27, "J3": 0.0183, "J2": 0.0209, "J1": 0.0209},
-        pointing=(0.0, -0.26, -1.0),
-        pointing_cost=0.124,
-        idle=4.62,
-        bend=-1.2,
+        {"WRJ1": 0.28, "J3": 1.32, "J2": 1.35, "J1": 0.05, **_THUMB},
+        {**_LIMITS, "J3": (-0.2, 1.5), "J1": (0.0038, 1.4)},
+        {**_COST, "WRJ1": 1.37, "J4": 0.0169, "J3": 0.0149, "J2": 0.0306, "J1": 0.0306},
+        pointing=(0.0, -0.0266, -1.0),
+        pointing_cost=0.333,
+        idle=5.02,
+        bend=-1.3,
     ),
 }
 
@@ -111,7 +110,7 @@ def solver(scene: SceneConfig, posture: Posture) -> Solver:
     stems = [f"lh_{finger.lower()}" for finger in FINGERS]
     return Solver(
         model,
-        TIPS,
+        LEFT_TIPS,
         _values(model, posture.cost, 0.03),
         tuple(tuple(stem + link for link in ("proximal", "middle", "distal")) for stem in stems),
         posture.pointing,
@@ -146,7 +145,7 @@ def rest_path(
     data = mujoco.MjData(model)
     data.qpos[:] = relaxed
     mujoco.mj_kinematics(model, data)
-    at_rest = np.array([data.site(name).xpos for name in TIPS])
+    at_rest = np.array([data.site(name).xpos for name in LEFT_TIPS])
     share = weight / weight.sum(axis=1, keepdims=True)
     base = np.einsum("tk,tkc->tc", share, tips - at_rest)
     base[:, 2] = tips[..., 2].min() - at_rest[:, 2].mean() + 0.002
