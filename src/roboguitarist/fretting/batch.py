@@ -1,0 +1,132 @@
+"""Many left hands stepped together, on all cores, by `mujoco.rollout`."""
+
+from __future__ import annotations
+
+import mujoco
+import numpy as np
+from mujoco import rollout
+
+from roboguitarist.errors import RoboGuitaristError
+from roboguitarist.fretting.posture import left_alone
+from roboguitarist.scene import LEFT_TIPS, SceneConfig
+from roboguitarist.sensing import columns, power_columns, stops
+
+_FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
+
+
+class HandBatch:
+    """N copies of one left hand on the guitar, each with its own state.
+
+    The same states and targets give the same next states for any number of threads and any
+    number of copies. A copy whose state is no longer finite is counted and put back.
+
+    Args:
+        scene: Guitar, hand variant and time step.
+        n_envs: Number of copies, at least 1.
+        control_hz: Control ticks per second; a tick is a whole number of time steps.
+        n_threads: Threads that step; 0 steps in the calling thread.
+
+    Attributes:
+        model: The model that all copies share.
+        substeps: Time steps in a control tick.
+        qpos, qvel: (N, nq) and (N, nv) positions and velocities, views of the state.
+        n_failures: How many states became non-finite so far.
+
+    Raises:
+        RoboGuitaristError: If the rates do not fit each other.
+    """
+
+    def __init__(
+        self, scene: SceneConfig, n_envs: int, control_hz: float = 30.0, n_threads: int = 0
+    ) -> None:
+        self.model = left_alone(scene)
+        steps = 1.0 / (control_hz * scene.timestep_s)
+        self.substeps = round(steps)
+        if n_envs < 1 or abs(steps - self.substeps) > 1e-6 or self.substeps < 1:
+            raise RoboGuitaristError(
+                f"{n_envs} hands at {control_hz:g} Hz with steps of {scene.timestep_s:g} s"
+                " (at least one, and whole steps in a tick)"
+            )
+        self.guitar, self.n_failures = scene.guitar, 0
+        model = self.model
+        size = mujoco.mj_stateSize(model, _FULL)
+        self._states = np.zeros((n_envs, self.substeps, size))
+        self._sensors = np.zeros((n_envs, self.substeps, model.nsensordata))
+        self._control = np.zeros((n_envs, self.substeps, model.nu))
+        self._state = np.zeros((n_envs, size))
+        self.qpos = self._state[:, 1 : 1 + model.nq]
+        self.qvel = self._state[:, 1 + model.nq : 1 + model.nq + model.nv]
+        self._models = [model] * n_envs
+        self._pool = rollout.Rollout(nthread=n_threads)
+        self._data = [mujoco.MjData(model) for _ in range(max(1, n_threads))]
+        self._power = power_columns(model)
+        self._tips = np.array([columns(model, tip) for tip in LEFT_TIPS])
+
+    @property
+    def n_envs(self) -> int:
+        """Number of copies."""
+        return len(self._state)
+
+    def put(self, index: np.ndarray, qpos: np.ndarray) -> None:
+        """Place copies at rest in given positions, with what their sensors say there.
+
+        Args:
+            index: (M,) which copies.
+            qpos: (M, nq) positions in rad and m.
+        """
+        self._state[index] = 0.0
+        self.qpos[index] = qpos
+        data = self._data[0]
+        for copy in index:
+            mujoco.mj_resetData(self.model, data)
+            data.qpos[:] = self.qpos[copy]
+            mujoco.mj_forward(self.model, data)
+            self._sensors[copy, -1] = data.sensordata
+
+    def step(self, ctrl: np.ndarray) -> np.ndarray:
+        """Hold servo targets for one control tick.
+
+        Args:
+            ctrl: (N, nu) targets in rad and m.
+
+        Returns:
+            (N,) bool, copies that failed in this tick; they stay as they were before it.
+        """
+        self._control[:] = ctrl[:, None]
+        self._pool.rollout(
+            self._models,
+            self._data,
+            self._state,
+            self._control,
+            nstep=self.substeps,
+            state=self._states,
+            sensordata=self._sensors,
+            skip_checks=True,
+        )
+        last = self._states[:, -1]
+        failed = ~np.isfinite(last).all(axis=1)
+        self.n_failures += int(failed.sum())
+        np.copyto(self._state, last, where=~failed[:, None])
+        return failed
+
+    @property
+    def tip_m(self) -> np.ndarray:
+        """Centres (N, 4, 3) of the fingertips of fingers 1 to 4 in metres."""
+        return self._sensors[:, -1][:, self._tips]
+
+    def press_force_n(self) -> np.ndarray:
+        """Normal force (N, 6, F) in each fret space."""
+        return stops(self.model, self._sensors[:, -1], self.guitar).force_n
+
+    def sounding_fret(self, capo: int = 0) -> np.ndarray:
+        """Frets (N, 6) that the strings would sound, see `sensing.Stops.sounding_fret`."""
+        return stops(self.model, self._sensors[:, -1], self.guitar).sounding_fret(capo)
+
+    def power_w(self) -> np.ndarray:
+        """Absolute mechanical power (N,) of the servos, mean over the last tick."""
+        force, velocity = (self._sensors[..., found_at] for found_at in self._power)
+        return np.abs(force * velocity).sum(axis=2).mean(axis=1)
+
+    def close(self) -> None:
+        """Stop the threads."""
+        self._pool.close()
