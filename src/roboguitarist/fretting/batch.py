@@ -104,7 +104,7 @@ class HandBatch:
             skip_checks=True,
         )
         last = self._states[:, -1]
-        failed = ~np.isfinite(last).all(axis=1)
+        failed = np.logical_not(np.all(np.isfinite(last), axis=1))
         self.n_failures += int(failed.sum())
         np.copyto(self._state, last, where=~failed[:, None])
         return failed

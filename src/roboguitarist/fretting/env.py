@@ -97,9 +97,9 @@ class FrettingVectorEnv(VectorEnv):
         self._ended = np.zeros(num_envs, bool)
 
     def reset(
-        self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
+        self, *, seed: Any = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
-        """Begin an episode everywhere; a seed makes all that follow repeatable."""
+        """Begin an episode everywhere; a seed or a list of them makes what follows repeatable."""
         if seed is not None:
             self.batch.rng = np.random.default_rng(seed)
         self._ended[:] = False

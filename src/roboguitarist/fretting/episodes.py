@@ -159,7 +159,7 @@ class FrettingBatch:
             ),
             "finger": near,
             "energy": rewards.energy(
-                self.hands.power_w(), (fret > 0).any(axis=1), config.energy_coefficient
+                self.hands.power_w(), np.any(fret > 0, axis=1), config.energy_coefficient
             ),
         }
 
