@@ -30,6 +30,7 @@ docs: $(VENV)/docs  ## Build the documentation into docs/_build
 bench: $(VENV)/installed  ## Measure the published numbers into benchmarks/results
 	$(BIN)/python benchmarks/planner.py
 	$(BIN)/python benchmarks/speed.py
+	$(BIN)/python benchmarks/environment.py
 
 clean:  ## Remove .venv and everything built
 	rm -rf $(VENV) out build dist docs/_build

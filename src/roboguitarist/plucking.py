@@ -131,7 +131,7 @@ def right_hand(config: SceneConfig) -> mujoco.MjModel:
     )
 
 
-def rest_posture(model) -> np.ndarray:
+def rest_posture(model: mujoco.MjModel) -> np.ndarray:
     """Joint positions (nq,) of the right hand with every finger over its string."""
     rest = np.zeros(model.nq)
     for name, value in REST_RAD.items():
@@ -139,7 +139,7 @@ def rest_posture(model) -> np.ndarray:
     return rest
 
 
-def _posture_cost(model) -> np.ndarray:
+def _posture_cost(model: mujoco.MjModel) -> np.ndarray:
     cost = np.full(model.nv, 0.03)
     for name in ("WRJ1", "WRJ2", "LFJ5", "LFJ4", "LFJ3", "LFJ2", "LFJ1"):
         cost[model.joint(f"rh_{name}").dofadr[0]] = 30.0
@@ -163,7 +163,9 @@ def tip_path(
     return np.column_stack([np.full_like(y, x), y, z])
 
 
-def _finger_path(strokes, time_s, x, guitar, finger):
+def _finger_path(
+    strokes: tuple[Stroke, ...], time_s: np.ndarray, x: float, guitar: Guitar, finger: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Once around the ellipse for each stroke, half a turn before the crossing."""
     knots, turns = [time_s[0] - 1.0], [0.0]
     for index, stroke in enumerate(strokes):
@@ -184,10 +186,12 @@ def _finger_path(strokes, time_s, x, guitar, finger):
     return y + _string_path(strokes, turn, x, guitar, finger) - bottom_y, z - DEPTH_M - bottom_z
 
 
-def _string_path(strokes, turn, x, guitar, finger):
+def _string_path(
+    strokes: tuple[Stroke, ...], turn: np.ndarray, x: float, guitar: Guitar, finger: int
+) -> np.ndarray:
     """Sideways place (T,) of the string in play, changed only while the finger is above it."""
     if not strokes:
-        return float(guitar.string_y(4 - finger, x))
+        return np.full_like(turn, guitar.string_y(4 - finger, x))
     turns = np.add.outer(np.arange(len(strokes)), LOW_TURN).ravel()
     strings = np.repeat([stroke.strings[0] for stroke in strokes], 2)
     path = PchipInterpolator(turns, guitar.string_y(strings, x))
@@ -210,7 +214,9 @@ def _increasing(knots: list[float], values: list[float]) -> tuple[np.ndarray, np
     return np.array(times), np.array(kept)
 
 
-def _thumb_path(strokes, time_s, x, guitar, finger):
+def _thumb_path(
+    strokes: tuple[Stroke, ...], time_s: np.ndarray, x: float, guitar: Guitar, finger: int
+) -> tuple[np.ndarray, np.ndarray]:
     """Through the strings on straight lines, over them in between."""
     strings_y = guitar.string_y(np.arange(1, 7), x)
     points = [(time_s[0] - 1.0, strings_y[4] + THUMB_REACH_M, THUMB_HOVER_M)]

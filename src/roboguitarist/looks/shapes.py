@@ -69,7 +69,9 @@ def solid(rings: np.ndarray) -> Mesh:
     return merged(skin(rings), lid(rings[0, ::-1]), lid(rings[-1]))
 
 
-def ellipses(sections: Sequence[Sequence[float]], power: float = 2.0, points: int = 28):
+def ellipses(
+    sections: Sequence[Sequence[float]], power: float = 2.0, points: int = 28
+) -> np.ndarray:
     """Rings (n, points, 3) across the z axis, as for `skin`.
 
     Args:
