@@ -33,7 +33,7 @@ bench: $(VENV)/installed  ## Measure the published numbers into benchmarks/resul
 	$(BIN)/python benchmarks/environment.py
 
 clean:  ## Remove .venv and everything built
-	rm -rf $(VENV) out build dist docs/_build
+	rm -rf $(VENV) out build dist docs/_build docs/_generated
 
 # Some Debian machines have no ensurepip; there the machine's own pip installs pip.
 $(BIN)/python:

@@ -1,4 +1,13 @@
+import sys
+from pathlib import Path
+
 from roboguitarist import __version__
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE))
+import tables  # noqa: E402
+
+tables.write(HERE / "_generated")
 
 project = "RoboGuitarist"
 author = copyright = "The RoboGuitarist developers"
@@ -6,7 +15,7 @@ version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
-exclude_patterns = ["_build"]
+exclude_patterns = ["_build", "_generated"]
 autodoc_typehints = "description"
 autodoc_member_order = "bysource"
 napoleon_google_docstring = True
