@@ -43,7 +43,7 @@ def test_every_combination_compiles_with_what_was_asked(guitar, hand, sides):
     left, right = "left" in sides, "right" in sides
     assert (model.nq, model.nu) == (27 * left + 24 * right, 23 * left + 20 * right)
     assert model.neq == (4 * len(sides) if hand == "linkage" else 0)
-    assert model.nsensor == 6 + 46 * left + 4 * right
+    assert model.nsensor == 6 + 50 * left + 4 * right
 
 
 def test_sizes(scene):

@@ -30,7 +30,7 @@ class HandBatch:
         model: The model that all copies share.
         substeps: Time steps in a control tick.
         qpos, qvel: (N, nq) and (N, nv) positions and velocities, views of the state.
-        n_failures: How many states became non-finite so far.
+        n_failures: How many states became non-finite or absurdly large so far.
 
     Raises:
         RoboGuitaristError: If the rates do not fit each other.
@@ -75,6 +75,7 @@ class HandBatch:
             qpos: (M, nq) positions in rad and m.
         """
         self._state[index] = 0.0
+        self._state[index, 0] = 1.0  # a clock that a failure can put back
         self.qpos[index] = qpos
         data = self._data[0]
         for copy in index:
@@ -90,7 +91,7 @@ class HandBatch:
             ctrl: (N, nu) targets in rad and m.
 
         Returns:
-            (N,) bool, copies that failed in this tick; they stay as they were before it.
+            (N,) bool, copies that failed in this tick and are at the model's start again.
         """
         self._control[:] = ctrl[:, None]
         self._pool.rollout(
@@ -104,9 +105,11 @@ class HandBatch:
             skip_checks=True,
         )
         last = self._states[:, -1]
-        failed = np.logical_not(np.all(np.isfinite(last), axis=1))
+        # MuJoCo puts a state that breaks back to the model's, at time 0: its clock falls behind.
+        elapsed_s = last[:, 0] - self._state[:, 0]
+        failed = elapsed_s < (self.substeps - 0.5) * self.model.opt.timestep
         self.n_failures += int(failed.sum())
-        np.copyto(self._state, last, where=~failed[:, None])
+        self._state[:] = last
         return failed
 
     @property

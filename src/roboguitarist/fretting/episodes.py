@@ -110,12 +110,13 @@ class FrettingBatch:
             action: (N, size) in [-1, 1].
 
         Returns:
-            Observations (N, observation_size), rewards (N,), whether the piece has run out (N,),
+            Observations (N, observation_size), rewards (N,), whether the piece has run out or the physics failed (N,),
             and the terms of the reward by name, (N,) each.
         """
         failed = self.hands.step(self.actions.ctrl(action))
         terms = self._terms()
         reward = rewards.total(terms["key"], terms["finger"], terms["energy"])
+        reward[failed] = 0.0  # its energy may be anything
         self.last_action[:], self.last_reward[:] = np.clip(action, -1, 1), reward
         self.tick += 1
         ended = (self.tick >= self.bank.length[self.episode]) | failed
