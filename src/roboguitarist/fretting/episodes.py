@@ -110,8 +110,8 @@ class FrettingBatch:
             action: (N, size) in [-1, 1].
 
         Returns:
-            Observations (N, observation_size), rewards (N,), whether the piece has run out or the physics failed (N,),
-            and the terms of the reward by name, (N,) each.
+            Observations (N, observation_size), rewards (N,), whether the piece has run out or
+            the physics failed (N,), and the terms of the reward by name, (N,) each.
         """
         failed = self.hands.step(self.actions.ctrl(action))
         terms = self._terms()
