@@ -48,7 +48,7 @@ def test_every_combination_compiles_with_what_was_asked(guitar, hand, sides):
 
 def test_sizes(scene):
     assert (scene.nq, scene.nv, scene.nu, scene.nbody, scene.ngeom) == (51, 51, 43, 51, 31)
-    assert (scene.nsensordata, scene.ntendon) == (6 * 4 * 7 + 46 + 4 * 3, 8)
+    assert (scene.nsensordata, scene.ntendon) == (6 * 4 * 7 + 46 + 2 * 4 * 3, 8)
     assert scene.opt.timestep == 1 / 480
 
 
