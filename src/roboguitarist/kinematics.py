@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -66,11 +65,7 @@ class Solver:
     iterations: int = 40
 
 
-def follow(
-    solver: Solver,
-    paths: TipPaths,
-    progress: Callable[[Sequence[int]], Sequence[int]] | None = None,
-) -> np.ndarray:
+def follow(solver: Solver, paths: TipPaths) -> np.ndarray:
     """Joint path along which the tips follow their paths.
 
     Each sample starts from the one before it, so a smooth path gives smooth joints. Where all
@@ -79,7 +74,6 @@ def follow(
     Args:
         solver: The hand.
         paths: Where its tips go.
-        progress: Wraps the loop over the samples, to show how far it is.
 
     Returns:
         (T, nq) joint positions in rad and m.
@@ -89,9 +83,8 @@ def follow(
         solver.model, np.clip(paths.rest[0], *solver.model.jnt_range.T)
     )
     out = np.empty((len(paths.position_m), solver.model.nq))
-    ticks: Sequence[int] = range(len(out))
     settled = False
-    for tick in progress(ticks) if progress else ticks:
+    for tick in range(len(out)):
         if tick and settled and _unchanged(paths, tick):
             out[tick] = out[tick - 1]
             continue

@@ -37,8 +37,6 @@ THUMB_REACH_M = 0.005
 THUMB_HOVER_M = 0.004
 THUMB_REACH_S = 0.045
 """The thumb starts and ends its stroke that far beside the string, and as long before and after."""
-THUMB_RETURN_S = 0.2
-"""Strokes further apart than this all go down, towards the treble side."""
 THUMB_SLOPE = 0.5
 """The thumb's line rises out of the strings by this much per metre."""
 UP_STROKE_COST = 0.05

@@ -59,6 +59,7 @@ class HandBatch:
         self._models = [model] * n_envs
         self._pool = rollout.Rollout(nthread=n_threads)
         self._data = [mujoco.MjData(model) for _ in range(max(1, n_threads))]
+        self._force_n: np.ndarray | None = None
         self._power = power_columns(model)
         self._tips = np.array([columns(model, tip) for tip in LEFT_TIPS])
 
@@ -74,6 +75,7 @@ class HandBatch:
             index: (M,) which copies.
             qpos: (M, nq) positions in rad and m.
         """
+        self._force_n = None
         self._state[index] = 0.0
         self._state[index, 0] = 1.0  # a clock that a failure can put back
         self.qpos[index] = qpos
@@ -93,6 +95,7 @@ class HandBatch:
         Returns:
             (N,) bool, copies that failed in this tick and are at the model's start again.
         """
+        self._force_n = None
         self._control[:] = ctrl[:, None]
         self._pool.rollout(
             self._models,
@@ -118,8 +121,10 @@ class HandBatch:
         return self._sensors[:, -1][:, self._tips]
 
     def press_force_n(self) -> np.ndarray:
-        """Normal force (N, 6, F) in each fret space."""
-        return stops(self.model, self._sensors[:, -1], self.guitar).force_n
+        """Normal force (N, 6, F) in each fret space, read once for each tick."""
+        if self._force_n is None:
+            self._force_n = stops(self.model, self._sensors[:, -1], self.guitar).force_n
+        return self._force_n
 
     def sounding_fret(self, capo: int = 0) -> np.ndarray:
         """Frets (N, 6) that the strings would sound, see `sensing.Stops.sounding_fret`."""
