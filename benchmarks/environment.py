@@ -96,7 +96,7 @@ def _timed(envs: FrettingVectorEnv) -> Clock:
 def _run(envs: FrettingVectorEnv, physics: Clock) -> tuple[float, float, float]:
     """Seconds of wall, of processor (all threads), and of wall within physics."""
     rng = np.random.default_rng(0)
-    shape = (_ticks(envs.num_envs), envs.num_envs, envs.batch.actions.size)
+    shape = (_ticks(envs.num_envs), envs.num_envs, envs.batch.n_actions)
     actions = rng.uniform(-1, 1, shape).astype(np.float32)
     envs.reset(seed=0)
     envs.step(actions[0])

@@ -7,8 +7,9 @@ from dataclasses import fields
 from pathlib import Path
 
 from roboguitarist.cli_report import table
+from roboguitarist.fretting.paper import ACTION_LIMITS, Actions, observation_blocks
 from roboguitarist.fretting.posture import left_alone
-from roboguitarist.fretting.task import ACTION_LIMITS, Actions, TaskConfig, observation_blocks
+from roboguitarist.fretting.task import TaskConfig
 
 
 def write(folder: Path) -> None:

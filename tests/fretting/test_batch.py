@@ -3,7 +3,8 @@ import pytest
 
 from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.fretting.batch import HandBatch
-from roboguitarist.fretting.task import Actions, TaskConfig
+from roboguitarist.fretting.paper import Actions
+from roboguitarist.fretting.task import TaskConfig
 from roboguitarist.guitar import Guitar
 from roboguitarist.scene import SceneConfig
 

@@ -117,7 +117,7 @@ def test_pressing_is_seen_and_paid():
         now = start + round(tick * 240 / batch.config.control_hz)
         batch.hands.step(planned.ctrl[now][None])
         batch.tick += 1
-        key.append(float(batch._terms()["key"][0]))
+        key.append(float(batch.task.reward(batch.hands, batch.at, np.zeros((1, 20)))[1]["key"][0]))
     assert max(key) > 0.95
     pressed = batch.observe()[0][27 : 27 + 120]
     assert pressed.sum() == 1

@@ -26,7 +26,7 @@ def batch(tablatures, n_envs=8, **settings) -> FrettingBatch:
 def random_episodes(made: FrettingBatch, ticks: int) -> np.ndarray:
     rng, seen = np.random.default_rng(0), [made.reset()]
     for tick in range(ticks):
-        action = rng.uniform(-1, 1, (made.n_envs, made.actions.size))
+        action = rng.uniform(-1, 1, (made.n_envs, made.n_actions))
         observation, _, ended, _ = made.step(action)
         seen.append(observation)
         if ended.any() or tick % 15 == 14:

@@ -13,7 +13,7 @@ from roboguitarist.fretting.rewards import (
     finger_reward,
     key_reward,
     mapping,
-    sounding_reward,
+    playing_reward,
     total,
 )
 
@@ -232,18 +232,34 @@ def test_equation_4_by_hand():
     assert total(key, finger, cost) == pytest.approx([1.0, 0.34])
 
 
-def test_sounding_reward_is_the_share_of_right_strings():
-    sounding = np.array([[0, 1, 0, 2, -1, 0]] * 3)
-    wanted = np.array([[0, 1, 0, 3, 0, 0]] * 3)
-    asked = np.array([[1, 1, 0, 1, 1, 0], [0, 1, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]], bool)
-    assert sounding_reward(sounding, wanted, asked).tolist() == [0.5, 1.0, 1.0]
+ASKED_ONE = np.array([[True] + [False] * 5])
 
 
-def test_open_strings_sound_at_the_capo():
-    sounding, wanted = np.array([[2, 5, 0, 0, 0, 0]]), np.array([[0, 5, 0, 0, 0, 0]])
-    asked = np.array([[1, 1, 0, 0, 0, 0]], bool)
-    assert sounding_reward(sounding, wanted, asked, capo=2) == [1.0]
-    assert sounding_reward(sounding, wanted, asked) == [0.5]
+def playing(force_n, sounding, wanted, onset=False):
+    return playing_reward(force_n, np.array([sounding]), wanted, ASKED_ONE, ASKED_ONE & onset)[0]
+
+
+def test_playing_reward_by_hand():
+    wanted, rest = wanting(s1=3), [0] * 5
+    # One string is asked, with weight 4; the five others, with 1 each, are not pressed.
+    assert playing(pressing(s1f3=1.5), [3, *rest], wanted) == pytest.approx(1.0)
+    assert playing(pressing(s1f3=1.2), [3, *rest], wanted) == pytest.approx((4 * 0.94 + 5) / 9)
+    assert playing(pressing(s1f3=0.75), [-1, *rest], wanted) == pytest.approx((4 * 0.15 + 5) / 9)
+    assert playing(pressing(), [0, *rest], wanted) == pytest.approx(5 / 9)
+    assert playing(pressing(), [0, *rest], wanted, onset=True) == pytest.approx(5 / 17)
+    assert playing(pressing(s1f3=2, s4f1=2), [3, 0, 0, 1, 0, 0], wanted) == pytest.approx(8 / 9)
+
+
+def test_open_strings_are_to_sound_open():
+    wanted = wanting()
+    assert playing(pressing(), [0] * 6, wanted) == pytest.approx(1.0)
+    assert playing(pressing(s1f2=0.4), [-1, 0, 0, 0, 0, 0], wanted) == pytest.approx(5 / 9)
+
+
+@given(forces, wants, arrays(bool, (N, 6)), arrays(bool, (N, 6)))
+def test_playing_reward_is_in_range(force_n, wanted, asked, onset):
+    sounding = np.where((force_n >= THRESHOLD_N).any(-1), wanted, 0)
+    assert within(playing_reward(force_n, sounding, wanted, asked, onset))
 
 
 def test_calm_reward_by_hand():

@@ -8,8 +8,9 @@ from hypothesis.extra.numpy import arrays
 
 from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.fretting.episodes import FrettingBatch
+from roboguitarist.fretting.paper import ACTION_LIMITS, Actions, observation_blocks
 from roboguitarist.fretting.posture import left_alone
-from roboguitarist.fretting.task import ACTION_LIMITS, Actions, TaskConfig, observation_blocks
+from roboguitarist.fretting.task import TaskConfig
 from roboguitarist.tablature import Note, Tablature
 
 TUNE = Tablature((Note(0.0, 3, 2, 0.4),))

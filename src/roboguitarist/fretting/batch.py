@@ -90,13 +90,16 @@ class HandBatch:
         """Hold servo targets for one control tick.
 
         Args:
-            ctrl: (N, nu) targets in rad and m.
+            ctrl: (N, nu) targets in rad and m, or (N, k, nu): one after the other, each for the
+                same whole number of time steps.
 
         Returns:
             (N,) bool, copies that failed in this tick and are at the model's start again.
         """
         self._force_n = None
-        self._control[:] = ctrl[:, None]
+        parts = ctrl[:, None] if ctrl.ndim == 2 else ctrl
+        each = self._control.reshape(self.n_envs, parts.shape[1], -1, parts.shape[2])
+        each[:] = parts[:, :, None]
         self._pool.rollout(
             self._models,
             self._data,

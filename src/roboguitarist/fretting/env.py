@@ -154,4 +154,4 @@ def spaces(batch: FrettingBatch) -> tuple[gym.spaces.Box, gym.spaces.Box]:
     seen = gym.spaces.Box(
         -OBSERVATION_LIMIT, OBSERVATION_LIMIT, (batch.observation_size,), np.float32
     )
-    return seen, gym.spaces.Box(-1.0, 1.0, (batch.actions.size,), np.float32)
+    return seen, gym.spaces.Box(-1.0, 1.0, (batch.n_actions,), np.float32)

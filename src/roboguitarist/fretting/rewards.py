@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from roboguitarist.errors import RoboGuitaristError
+from roboguitarist.sensing import PRESS_THRESHOLD_N
 
 Kind = Literal["reciprocal", "gaussian"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -21,6 +22,10 @@ CLOSE_M = 0.001
 """Distance from the key's centre, across the strings and in height, with full reward."""
 REACH_M = 0.1
 """Margin of the fingers' rewards."""
+FIRM_N = 1.5
+"""Force with which a string is held firmly: half as much again as the least that frets it."""
+ASKED = 4.0
+"""Weight of a string that is asked, against one that is not."""
 ENERGY_COEFFICIENT = 0.0025
 """Reward per watt while something is to be fretted."""
 
@@ -62,6 +67,7 @@ def finger_reward(
     key_length_m: np.ndarray,
     active: np.ndarray,
     kind: Kind = "reciprocal",
+    margin_m: float = REACH_M,
 ) -> np.ndarray:
     """How near the fingers are to their keys (equation 1): (r_x + r_y + r_z) / 3.
 
@@ -73,13 +79,14 @@ def finger_reward(
         key_length_m: (N, 4) lengths of the keys along the strings.
         active: (N, 4) bool, fingers that have a key.
         kind: Mapping function.
+        margin_m: How far beyond full reward there is a tenth of it.
 
     Returns:
         (N,) in [0, 1], 1 where no finger is active.
     """
     close = np.full_like(key_length_m, CLOSE_M)
     bound = np.stack([0.5 * key_length_m, close, close], axis=-1)
-    return _mean(mapping(np.abs(tip_m - key_m), bound, REACH_M, kind).mean(axis=-1), active)
+    return _mean(mapping(np.abs(tip_m - key_m), bound, margin_m, kind).mean(axis=-1), active)
 
 
 def euclidean_finger_reward(
@@ -156,22 +163,39 @@ def total(key: np.ndarray, finger: np.ndarray, energy: np.ndarray) -> np.ndarray
     return 0.5 * key + 0.5 * finger + energy
 
 
-def sounding_reward(
-    sounding_fret: np.ndarray, wanted_fret: np.ndarray, asked: np.ndarray, capo: int = 0
+def playing_reward(
+    force_n: np.ndarray,
+    sounding_fret: np.ndarray,
+    wanted_fret: np.ndarray,
+    asked: np.ndarray,
+    onset: np.ndarray,
 ) -> np.ndarray:
-    """Share of the asked strings that would sound the right fret if plucked now.
+    """Share of the strings that do what the tablature asks, as a listener and a player count.
+
+    A string that is asked counts `ASKED`, and three times that around its onset: 1 if it would
+    sound the right fret and, where that is stopped, is held with `FIRM_N`; 0.3 of it is for the
+    force, which leads a light finger on. A string that is not asked counts 1: it is not to be
+    fretted.
 
     Args:
+        force_n: (N, 6, F) normal force in each fret space of each string.
         sounding_fret: (N, 6) fret from the nut that would sound, negative for a dead string.
-        wanted_fret: (N, 6) fret from the nut to be held, 0 for an open string.
+        wanted_fret: (N, 6) fret from the nut that is to sound on the strings asked.
         asked: (N, 6) bool, strings that are to sound.
-        capo: Fret at which open strings sound.
+        onset: (N, 6) bool, strings that are being plucked.
 
     Returns:
-        (N,) in [0, 1], 1 where no string is asked.
+        (N,) in [0, 1].
     """
-    right = sounding_fret == np.maximum(wanted_fret, capo)
-    return _mean(right.astype(float), asked)
+    stopped = (asked & (wanted_fret > 0))[..., None]
+    frets = np.arange(1, force_n.shape[-1] + 1)
+    firm = np.clip(np.where(frets == wanted_fret[..., None], force_n, 0.0).sum(-1) / FIRM_N, 0, 1)
+    right = sounding_fret == wanted_fret
+    strength = np.where(stopped[..., 0], firm, right)
+    free = (force_n < PRESS_THRESHOLD_N).all(axis=-1)
+    value = np.where(asked, 0.7 * right + 0.3 * strength, free)
+    weight = np.where(asked, ASKED * np.where(onset, 3.0, 1.0), 1.0)
+    return (weight * value).sum(axis=-1) / weight.sum(axis=-1)
 
 
 def calm_reward(action_change: np.ndarray) -> np.ndarray:

@@ -1,0 +1,239 @@
+"""Our task: the planner leads, the agent corrects its servo targets and is paid for what sounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+
+from roboguitarist.errors import RoboGuitaristError
+from roboguitarist.fingering import Fingering
+from roboguitarist.fretting import planner, rewards
+from roboguitarist.fretting.bank import HORIZON_S, Bank, padded
+from roboguitarist.fretting.task import Block, Hands, Place, TaskConfig, Terms
+from roboguitarist.plan import LEAD_IN_S, PLAN_HZ, HandPlan
+from roboguitarist.sensing import DEAD
+
+_FINGER = {"J4": 0.3, "J3": 0.3, "J0": 0.5}
+CORRECTIONS: dict[str, float] = {
+    "forearm_x": 0.008,
+    "forearm_y": 0.008,
+    "forearm_z": 0.008,
+    "WRJ2": 0.1,
+    "WRJ1": 0.15,
+    "LFJ5": 0.2,
+    **{f"{f}{j}": most for f in ("FF", "MF", "RF", "LF") for j, most in _FINGER.items()},
+}
+"""Most by which an action moves each servo target, in m and rad; the thumb's stay as planned."""
+ONSET_S = 0.05
+"""A string is to be ready that long before its note begins, and counts more for as long after."""
+MARGIN_M = 0.03
+"""Distance from the key at which a tenth of the finger's reward is left."""
+AHEAD_TICKS = (3, 8)
+"""Ticks ahead at which the observation says how the planned posture will have changed."""
+WEIGHTS = {"playing": 0.75, "finger": 0.15, "calm": 0.1}
+EFFORT = 0.03
+"""Price of a mean square correction of 1."""
+_JOINT_RAD, _SLIDE_M, _NEAR_M, _FORCE_N = 0.2, 0.01, 0.02, 3.0
+
+
+@dataclass(frozen=True)
+class Guide:
+    """Plans of K tablatures, padded to T ticks.
+
+    Attributes:
+        qpos: (K, T + 1, nq) float32, planned posture at the beginning of each tick.
+        ctrl: (K, T, k, nu) float32, planned servo targets in k parts of each tick.
+    """
+
+    qpos: np.ndarray
+    ctrl: np.ndarray
+
+
+def guide(plans: Sequence[HandPlan], bank: Bank, config: TaskConfig) -> Guide:
+    """Cut plans into control ticks.
+
+    Raises:
+        RoboGuitaristError: If a tick is no whole number of the plans' samples, or the lead is
+            longer than theirs.
+    """
+    parts = round(PLAN_HZ / config.control_hz)
+    if abs(parts * config.control_hz - PLAN_HZ) > 1e-6 or config.substeps % parts:
+        raise RoboGuitaristError(
+            f"{config.control_hz:g} Hz with {config.substeps} substeps: plans have {PLAN_HZ:g}"
+            " samples a second, and ticks whole numbers of both"
+        )
+    skipped = round((LEAD_IN_S - config.lead_s) * PLAN_HZ)
+    if skipped < 0:
+        raise RoboGuitaristError(f"lead_s {config.lead_s:g} (at most {LEAD_IN_S:g} with a plan)")
+    qpos, ctrl = [], []
+    for plan, length in zip(plans, bank.length.tolist(), strict=True):
+        samples = slice(skipped, skipped + parts * length)
+        targets = plan.ctrl[samples].astype(np.float32)
+        ctrl.append(targets.reshape(length, parts, -1))
+        qpos.append(plan.qpos[skipped : skipped + parts * length + 1 : parts].astype(np.float32))
+    return Guide(padded(qpos), padded(ctrl))
+
+
+def plans(fingerings: Sequence[Fingering], config: TaskConfig) -> list[HandPlan]:
+    """What the planner would do, of all fingerings."""
+    scene = config.scene()
+    return [planner.plan(one, scene) for one in fingerings]
+
+
+class GuidedTask:
+    """Corrections to a plan.
+
+    Args:
+        config: Settings.
+        model: The left hand, or a scene in which its joints and servos come first.
+        bank: What is to be played.
+        guide: How the planner would play it.
+    """
+
+    def __init__(self, config: TaskConfig, model: mujoco.MjModel, bank: Bank, guide: Guide) -> None:
+        self.config, self.bank, self.guide = config, bank, guide
+        nq, nu = guide.qpos.shape[-1], guide.ctrl.shape[-1]
+        self._servos = np.array([model.actuator(f"lh_A_{name}").id for name in CORRECTIONS])
+        self._most = np.array(list(CORRECTIONS.values()))
+        self._range = model.actuator_ctrlrange[:nu].T
+        names = [model.joint(index).name for index in range(nq)]
+        self._joints = np.array([i for i, name in enumerate(names) if "_TH" not in name])
+        slides = np.array(["forearm" in names[i] for i in self._joints])
+        self._unit = np.where(slides, _SLIDE_M, _JOINT_RAD)
+        low, high = model.jnt_range[self._joints].T
+        self._middle, self._half = (low + high) / 2, (high - low) / 2
+        self.n_actions = len(self._servos)
+        self.blocks = observation_blocks(len(self._joints), self.n_actions)
+
+    def ctrl(self, action: np.ndarray, last_action: np.ndarray, at: Place) -> np.ndarray:
+        """Planned targets with corrections that go evenly from the last ones to these."""
+        targets = self.guide.ctrl[at].astype(float)
+        share = (np.arange(targets.shape[1]) + 1.0)[:, None] / targets.shape[1]
+        old, new = last_action[:, None], np.clip(action, -1.0, 1.0)[:, None]
+        targets[:, :, self._servos] += (old + share * (new - old)) * self._most
+        return np.clip(targets, *self._range)
+
+    def start(self, at: Place) -> np.ndarray:
+        """As the planner would have it there."""
+        return self.guide.qpos[at]
+
+    def observe(
+        self, hands: Hands, at: Place, last_action: np.ndarray, last_reward: np.ndarray
+    ) -> tuple[np.ndarray, ...]:
+        """The hand as it is beside the plan, and what is to come, seen from the fingertips."""
+        bank, (episode, tick) = self.bank, at
+        n_envs, last = len(tick), self.guide.qpos.shape[1] - 1
+        qpos = hands.qpos[:, self._joints]
+        planned = self.guide.qpos[at][:, self._joints]
+        ahead = [
+            self.guide.qpos[episode, np.minimum(tick + k, np.minimum(bank.length[episode], last))]
+            for k in AHEAD_TICKS
+        ]
+        tips, active = hands.tip_m, bank.active[at]
+        coming = bank.until_next_s[at] < HORIZON_S
+        to_key = np.where(active[..., None], bank.key_m[at] - tips, 0.0)
+        to_next = np.where(coming[..., None], bank.next_key_m[at] - tips, 0.0)
+        return (
+            (qpos - self._middle) / self._half,
+            (qpos - planned) / self._unit,
+            0.1 * hands.qvel[:, self._joints] / self._unit,
+            *((posture[:, self._joints] - planned) / (3 * self._unit) for posture in ahead),
+            np.tanh(to_key / _NEAR_M).reshape(n_envs, -1),
+            np.tanh(to_next / _NEAR_M).reshape(n_envs, -1),
+            active,
+            bank.key_length_m[at] / (2 * _NEAR_M),
+            bank.next_key_length_m[at] / (2 * _NEAR_M),
+            _soon(bank.left_s[at]),
+            _soon(bank.until_next_s[at]),
+            *self._strings(hands, at),
+            last_action,
+        )
+
+    def _strings(self, hands: Hands, at: Place) -> tuple[np.ndarray, ...]:
+        bank, force = self.bank, hands.press_force_n()
+        fret, asked = bank.fret[at].astype(int), bank.asked[at]
+        held = _force_at(force, fret)
+        sounding = hands.sounding_fret()
+        wanted = np.maximum(fret, bank.capo[at[0]][:, None])
+        return (
+            np.minimum(held / _FORCE_N, 2.0),
+            np.minimum((force.sum(axis=-1) - held) / _FORCE_N, 2.0),
+            sounding == DEAD,
+            asked & (np.maximum(sounding, bank.capo[at[0]][:, None]) == wanted),
+            asked,
+            fret > 0,
+            bank.next_fret[at] > 0,
+            _soon(bank.until_onset_s[at]),
+        )
+
+    def reward(self, hands: Hands, at: Place, change: np.ndarray) -> tuple[np.ndarray, Terms]:
+        """What would be heard, judged at the end of the tick."""
+        bank = self.bank
+        now = at[0], np.minimum(at[1] + 1, bank.fret.shape[1] - 1)
+        capo = bank.capo[at[0]][:, None]
+        soon = ~bank.asked[now] & (bank.until_onset_s[now] < ONSET_S)
+        begun = bank.until_onset_s[at] < ONSET_S
+        wanted = np.where(soon, bank.next_fret[now], bank.fret[now])
+        sounding = hands.sounding_fret()
+        sounding = np.where(sounding == DEAD, DEAD, np.maximum(sounding, capo))
+        terms = {
+            "playing": rewards.playing_reward(
+                hands.press_force_n(),
+                sounding,
+                np.maximum(wanted, capo),
+                bank.asked[now] | soon,
+                soon | begun,
+            ),
+            "finger": rewards.finger_reward(
+                hands.tip_m,
+                bank.key_m[now],
+                bank.key_length_m[now],
+                bank.active[now],
+                self.config.mapping,
+                MARGIN_M,
+            ),
+            "calm": rewards.calm_reward(change),
+        }
+        return sum(WEIGHTS[name] * values for name, values in terms.items()), terms
+
+
+def _soon(time_s: np.ndarray) -> np.ndarray:
+    """1 for now, falling to almost 0 at the horizon."""
+    return np.exp(-time_s / 0.3)
+
+
+def _force_at(force_n: np.ndarray, fret: np.ndarray) -> np.ndarray:
+    """Force (N, 6) in the fret space wanted on each string, 0 where none is."""
+    index = np.clip(fret - 1, 0, force_n.shape[-1] - 1)[..., None]
+    return np.where(fret > 0, np.take_along_axis(force_n, index, axis=-1)[..., 0], 0.0)
+
+
+def observation_blocks(n_joints: int, n_actions: int) -> tuple[Block, ...]:
+    """Rows of the observation in their order."""
+    first, second = AHEAD_TICKS
+    return (
+        Block("joints", n_joints, "half range", "joint positions, the thumb's left out"),
+        Block("off_plan", n_joints, "0.2 rad, 10 mm", "joint positions less the planned ones"),
+        Block("velocities", n_joints, "2 rad/s, 0.1 m/s", "joint velocities"),
+        Block("plan_soon", n_joints, "0.6 rad, 30 mm", f"change of the plan in {first} ticks"),
+        Block("plan_later", n_joints, "0.6 rad, 30 mm", f"change of the plan in {second} ticks"),
+        Block("to_key", 12, "tanh of 20 mm", "from each fingertip to its key, 0 for none"),
+        Block("to_next", 12, "tanh of 20 mm", "from each fingertip to its next key, 0 for none"),
+        Block("busy", 4, "0 or 1", "which fingers have a key"),
+        Block("key_length", 4, "40 mm", "length of each finger's key"),
+        Block("next_length", 4, "40 mm", "length of its next key"),
+        Block("key_left", 4, "exp of -0.3 s", "how soon each finger's key changes"),
+        Block("key_soon", 4, "exp of -0.3 s", "how soon its next key begins"),
+        Block("held", 6, "3 N, at most 2", "force on each string where it is wanted"),
+        Block("pressed", 6, "3 N, at most 2", "force on it elsewhere"),
+        Block("dead", 6, "0 or 1", "strings touched but not fretted"),
+        Block("right", 6, "0 or 1", "strings that would sound what is asked"),
+        Block("asked", 6, "0 or 1", "strings on which a note sounds"),
+        Block("stopped", 6, "0 or 1", "strings to be held at a fret"),
+        Block("next_stopped", 6, "0 or 1", "strings whose next note is stopped"),
+        Block("onset_soon", 6, "exp of -0.3 s", "how soon each string's next note begins"),
+        Block("last_action", n_actions, "-1 to 1", "the action before"),
+    )
