@@ -13,6 +13,7 @@ from roboguitarist.fretting.batch import HandBatch
 from roboguitarist.fretting.guided import GuidedTask, guide, plans
 from roboguitarist.fretting.paper import PaperTask
 from roboguitarist.fretting.task import Block, Place, TaskConfig, Terms
+from roboguitarist.plan import HandPlan
 from roboguitarist.tablature import Tablature
 
 OBSERVATION_LIMIT = 10.0
@@ -26,6 +27,8 @@ class FrettingBatch:
         config: The task.
         n_envs: Number of environments.
         n_threads: Threads of the physics; 0 steps in the calling thread.
+        plans: What the planner would do, of each tablature; for the guided task, which plans
+            itself if they are not given.
 
     Attributes:
         task: What is seen, done and paid for.
@@ -41,12 +44,13 @@ class FrettingBatch:
         config: TaskConfig | None = None,
         n_envs: int = 1,
         n_threads: int = 0,
+        plans: Sequence[HandPlan] | None = None,
     ) -> None:
         if not tablatures:
             raise RoboGuitaristError("no tablature to fret (one at least)")
         self.config = config or TaskConfig()
         self.hands = HandBatch(self.config.scene(), n_envs, self.config.control_hz, n_threads)
-        self.task = make_task(tablatures, self.config, self.hands.model)
+        self.task = make_task(tablatures, self.config, self.hands.model, plans)
         self.bank = self.task.bank
         self.episode, self.tick = np.zeros(n_envs, int), np.zeros(n_envs, int)
         self.played = np.zeros(n_envs, int)
@@ -130,7 +134,10 @@ def assembled(rows: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def make_task(
-    tablatures: Sequence[Tablature], config: TaskConfig, model: mujoco.MjModel
+    tablatures: Sequence[Tablature],
+    config: TaskConfig,
+    model: mujoco.MjModel,
+    planned: Sequence[HandPlan] | None = None,
 ) -> PaperTask | GuidedTask:
     """The task that the settings name, over these tablatures.
 
@@ -143,7 +150,8 @@ def make_task(
     bank, every = fill(fingerings, config)
     if config.task == "paper":
         return PaperTask(config, model, bank, string_goals(every, config))
-    return GuidedTask(config, model, bank, guide(plans(fingerings, config), bank, config))
+    planned = planned or plans(fingerings, config)
+    return GuidedTask(config, model, bank, guide(planned, bank, config))
 
 
 TASKS = ("paper", "guided")

@@ -193,7 +193,7 @@ class GuidedTask:
                 bank.key_length_m[now],
                 bank.active[now],
                 self.config.mapping,
-                MARGIN_M,
+                margin_m=MARGIN_M,
             ),
             "calm": rewards.calm_reward(change),
         }

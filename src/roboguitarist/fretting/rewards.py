@@ -67,6 +67,7 @@ def finger_reward(
     key_length_m: np.ndarray,
     active: np.ndarray,
     kind: Kind = "reciprocal",
+    *,
     margin_m: float = REACH_M,
 ) -> np.ndarray:
     """How near the fingers are to their keys (equation 1): (r_x + r_y + r_z) / 3.
