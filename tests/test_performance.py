@@ -144,7 +144,7 @@ def test_chunks_leave_no_trace(fingering, monkeypatch):
     scene = scene_config(PerformConfig())
     left, right = planner.plan(fingering, scene), plucking.plan(fingering, scene)
     whole = simulate(build(scene), left, right)
-    monkeypatch.setattr(performance, "CHUNK_STEPS", 500)
+    monkeypatch.setattr(performance, "CHUNK_SAMPLES", 250)
     shares: list[float] = []
     parts = simulate(build(scene), left, right, shares.append)
     # The solver of contacts starts anew in each chunk, which shows in the seventh digit.

@@ -10,10 +10,12 @@ import mujoco
 import mujoco.rollout
 import numpy as np
 
-from roboguitarist import plucking, storage
+from roboguitarist import plucking, policies, storage
 from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.fingering import Fingering
 from roboguitarist.fretting import planner
+from roboguitarist.fretting.pilot import Pilot
+from roboguitarist.fretting.policy import Policy
 from roboguitarist.guitar import preset
 from roboguitarist.hands import VARIANTS, Variant
 from roboguitarist.plan import PLAN_HZ, HandPlan
@@ -93,7 +95,7 @@ class Performance:
         return storage.load(path, cls, {"tablature": Tablature.from_json})
 
 
-CONTROLLERS = ("planner",)
+CONTROLLERS = ("policy", "planner")
 
 
 @dataclass(frozen=True)
@@ -103,7 +105,9 @@ class PerformConfig:
     Attributes:
         hand: Variant of both hands, see `roboguitarist.hands.VARIANTS`.
         guitar: Name of a guitar preset.
-        controller: What drives the left hand, one of `CONTROLLERS`.
+        controller: What drives the left hand, one of `CONTROLLERS`: the planner alone, or
+            corrected by a policy.
+        policy: The policy; without one, that which comes with the package for this hand.
         control_hz: Ticks per second at which the performance is sampled.
         seed: Written into the performance; the planner uses no chance.
     """
@@ -111,6 +115,7 @@ class PerformConfig:
     hand: Variant = "linkage"
     guitar: str = "classical"
     controller: str = "planner"
+    policy: Policy | None = None
     control_hz: float = 30.0
     seed: int = 0
 
@@ -143,7 +148,11 @@ def perform(
     left = planner.plan(fingering, scene)
     progress(0.6)
     model = build(scene)
-    recording = simulate(model, left, right, lambda share: progress(0.6 + 0.4 * share))
+    pilot = None
+    if config.controller == "policy":
+        policy = config.policy or policies.load(config.hand)
+        pilot = Pilot(policy, fingering, left, scene, model)
+    recording = simulate(model, left, right, lambda share: progress(0.6 + 0.4 * share), pilot)
     return _observe(fingering, config, scene, model, recording)
 
 
@@ -177,8 +186,9 @@ class Recording:
     sensordata: np.ndarray
 
 
-CHUNK_STEPS = 4800
-"""Steps simulated in one call, so that progress can be told and memory stays bounded."""
+_FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
+CHUNK_SAMPLES = 2400
+"""Samples of the plans simulated in one call, so that progress can be told and memory stays bounded."""
 
 
 def simulate(
@@ -186,6 +196,7 @@ def simulate(
     left: HandPlan,
     right: HandPlan,
     progress: Callable[[float], None] | None = None,
+    pilot: Pilot | None = None,
 ) -> Recording:
     """Let the servos follow both plans.
 
@@ -194,23 +205,35 @@ def simulate(
         left: Plan of the left hand.
         right: Plan of the right hand, over the same times.
         progress: Called with the share that is done, from 0 to 1.
+        pilot: Corrects the left hand's plan while the piece lasts.
     """
     data = mujoco.MjData(model)
     data.qpos[:] = np.concatenate([left.qpos[0], right.qpos[0]])
-    state = np.empty(mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
-    mujoco.mj_getState(model, data, state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
+    mujoco.mj_forward(model, data)
+    state = np.empty(mujoco.mj_stateSize(model, _FULL))
+    mujoco.mj_getState(model, data, state, _FULL)
+    sensed = data.sensordata.copy()
     substeps = round(1.0 / (PLAN_HZ * model.opt.timestep))
-    ctrl = np.repeat(np.hstack([left.ctrl, right.ctrl]), substeps, axis=0)
-    time_s = left.time_s[0] + model.opt.timestep * np.arange(1, len(ctrl) + 1)
-    qpos, readings = [], []
-    for start in range(0, len(ctrl), CHUNK_STEPS):
-        chunk = ctrl[start : start + CHUNK_STEPS]
-        states, sensordata = mujoco.rollout.rollout(model, data, state, chunk)
-        state = states[0, -1]
+    plan, n_left = np.hstack([left.ctrl, right.ctrl]), left.ctrl.shape[1]
+    time_s = left.time_s[0] + model.opt.timestep * np.arange(1, len(plan) * substeps + 1)
+    qpos, readings, start = [], [], 0
+    while start < len(plan):
+        tick = start // pilot.parts if pilot else 0
+        corrected = pilot is not None and tick < pilot.n_ticks
+        chunk = plan[start : start + (pilot.parts if pilot and corrected else CHUNK_SAMPLES)].copy()
+        if pilot and corrected:
+            joints = state[1 : 1 + model.nq + model.nv]
+            targets = pilot.ctrl(tick, joints[: model.nq], joints[model.nq :], sensed)
+            chunk[:, :n_left] = targets[: len(chunk)]
+        states, sensordata = mujoco.rollout.rollout(
+            model, data, state, np.repeat(chunk, substeps, axis=0)
+        )
+        state, sensed = states[0, -1], sensordata[0, -1]
         qpos.append(states[0, :, 1 : 1 + model.nq].astype(np.float32))
         readings.append(sensordata[0].astype(np.float32))
+        start += len(chunk)
         if progress:
-            progress(min(1.0, (start + CHUNK_STEPS) / len(ctrl)))
+            progress(start / len(plan))
     return Recording(time_s, np.concatenate(qpos), np.concatenate(readings))
 
 

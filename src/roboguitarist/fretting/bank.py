@@ -61,9 +61,11 @@ def fingered(tablatures: Sequence[Tablature]) -> list[fingering.Fingering]:
     return [fingering.assign(tablature) for tablature in tablatures]
 
 
-def fill(fingerings: Sequence[fingering.Fingering], config: TaskConfig) -> tuple[Bank, list[Goals]]:
-    """Sample fingerings at control ticks."""
-    guitar = config.scene().guitar
+def fill(
+    fingerings: Sequence[fingering.Fingering], config: TaskConfig, guitar: Guitar | None = None
+) -> tuple[Bank, list[Goals]]:
+    """Sample fingerings at control ticks, on the task's guitar or another."""
+    guitar = guitar or config.scene().guitar
     every = [goals(one, guitar, config.control_hz, config.lead_s) for one in fingerings]
     notes = [
         _notes(one.tablature, goal.time_s) for one, goal in zip(fingerings, every, strict=True)

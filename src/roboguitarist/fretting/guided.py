@@ -34,8 +34,6 @@ MARGIN_M = 0.03
 AHEAD_TICKS = (3, 8)
 """Ticks ahead at which the observation says how the planned posture will have changed."""
 WEIGHTS = {"playing": 0.75, "finger": 0.15, "calm": 0.1}
-EFFORT = 0.03
-"""Price of a mean square correction of 1."""
 _JOINT_RAD, _SLIDE_M, _NEAR_M, _FORCE_N = 0.2, 0.01, 0.02, 3.0
 
 
@@ -197,7 +195,8 @@ class GuidedTask:
             ),
             "calm": rewards.calm_reward(change),
         }
-        return sum(WEIGHTS[name] * values for name, values in terms.items()), terms
+        reward = np.sum([WEIGHTS[name] * values for name, values in terms.items()], axis=0)
+        return reward, terms
 
 
 def _soon(time_s: np.ndarray) -> np.ndarray:

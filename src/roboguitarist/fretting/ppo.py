@@ -1,0 +1,251 @@
+"""Proximal policy optimisation over a `FrettingBatch`: reads from top to bottom.
+
+After Schulman et al., Proximal Policy Optimization Algorithms (arXiv 1707.06347, equations 7, 11
+and 12), with a running normalisation of observations and a learning rate that falls to zero.
+Needs PyTorch (extra `train`).
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import torch
+from torch import nn
+from torch.distributions import Normal
+
+from roboguitarist.fretting.episodes import FrettingBatch
+from roboguitarist.fretting.policy import SEEN_LIMIT, Policy
+
+LEAST_DEVIATION = 0.1
+"""Added to the deviation of what is observed: else numbers that hardly change become all noise."""
+
+
+@dataclass(frozen=True)
+class PPOConfig:
+    """Settings of the learner.
+
+    Attributes:
+        steps: Control ticks to learn from, over all environments.
+        ticks: Ticks of each environment between two updates.
+        epochs: Passes over them in an update.
+        minibatch: Samples in a gradient step.
+        learning_rate: Of Adam, at the beginning.
+        discount, trace: Gamma and lambda of generalised advantage estimation.
+        clip: Range of the probability ratio.
+        entropy: Coefficient of the entropy bonus.
+        deviation: Of the actions at the beginning.
+        hidden: Units in each of the two hidden layers.
+        seed: Of weights, episodes, noise and minibatches.
+    """
+
+    steps: int = 3_000_000
+    ticks: int = 24
+    epochs: int = 4
+    minibatch: int = 768
+    learning_rate: float = 3e-4
+    discount: float = 0.93
+    trace: float = 0.9
+    clip: float = 0.2
+    entropy: float = 0.0005
+    deviation: float = 0.25
+    hidden: int = 256
+    seed: int = 0
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What an update reports: ticks so far, ticks per second, means over the last rollout."""
+
+    steps: int
+    per_s: float
+    reward: float
+    terms: dict[str, float] = field(default_factory=dict)
+
+
+class PPO:
+    """A learner and its state.
+
+    Args:
+        batch: The environments; their random generator is seeded.
+        config: Settings.
+    """
+
+    def __init__(self, batch: FrettingBatch, config: PPOConfig) -> None:
+        self.batch, self.config, self.steps = batch, config, 0
+        torch.manual_seed(config.seed)
+        self.rng = torch.Generator().manual_seed(config.seed)
+        batch.rng = np.random.default_rng(config.seed)
+        seen, acted = batch.observation_size, batch.n_actions
+        self.actor = _network(seen, config.hidden, acted, 0.01)
+        self.critic = _network(seen, config.hidden, 1, 1.0)
+        self.log_deviation = nn.Parameter(torch.full((acted,), float(np.log(config.deviation))))
+        self.groups = (
+            [*self.actor.parameters(), self.log_deviation],
+            list(self.critic.parameters()),
+        )
+        every = [parameter for group in self.groups for parameter in group]
+        self.optimiser = torch.optim.Adam(every, config.learning_rate, eps=1e-5)
+        self.count, self.mean, self.square = 1e-4, np.zeros(seen), np.ones(seen)
+
+    def learn(self) -> Iterator[Progress]:
+        """Learn until the steps are done; one report for each update."""
+        seen = self.batch.reset()
+        while self.steps < self.config.steps:
+            begin = time.perf_counter()
+            self._anneal()
+            rollout, seen, reward, terms = self._roll(seen)
+            self._update(rollout)
+            n_steps = self.config.ticks * self.batch.n_envs
+            self.steps += n_steps
+            yield Progress(self.steps, n_steps / (time.perf_counter() - begin), reward, terms)
+
+    def policy(self) -> Policy:
+        """The network as it is now, for playing."""
+        config = self.batch.config
+        layers = [layer for layer in self.actor if isinstance(layer, nn.Linear)]
+        arrays = {
+            f"{kind}_{index}": getattr(layer, kind).detach().numpy().copy()
+            for index, layer in enumerate(layers, 1)
+            for kind in ("weight", "bias")
+        }
+        mean, deviation = self._moments()
+        return Policy(mean, deviation, **arrays, task=config.task, hand=config.hand,
+                      control_hz=config.control_hz)  # fmt: skip
+
+    def state(self) -> dict[str, Any]:
+        """All that learning goes on from, except where the environments are."""
+        return {
+            "actor": self.actor.state_dict(),
+            "critic": self.critic.state_dict(),
+            "log_deviation": self.log_deviation.data,
+            "optimiser": self.optimiser.state_dict(),
+            "moments": torch.tensor(np.stack([self.mean, self.square])),
+            "count": self.count,
+            "steps": self.steps,
+            "rng": self.rng.get_state(),
+        }
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Go on from what `state` gave."""
+        self.actor.load_state_dict(state["actor"])
+        self.critic.load_state_dict(state["critic"])
+        self.log_deviation.data.copy_(state["log_deviation"])
+        self.optimiser.load_state_dict(state["optimiser"])
+        self.mean, self.square = state["moments"].numpy()
+        self.count, self.steps = state["count"], state["steps"]
+        self.rng.set_state(state["rng"])
+        self.batch.rng = np.random.default_rng([self.config.seed, self.steps])
+
+    def _anneal(self) -> None:
+        left = 1.0 - self.steps / self.config.steps
+        self.optimiser.param_groups[0]["lr"] = self.config.learning_rate * left
+
+    def _moments(self) -> tuple[np.ndarray, np.ndarray]:
+        variance = np.maximum(self.square - self.mean**2, 0.0)
+        return self.mean.astype(np.float32), np.sqrt(variance + LEAST_DEVIATION**2).astype(
+            np.float32
+        )
+
+    def _seen(self, observation: np.ndarray) -> torch.Tensor:
+        mean, deviation = self._moments()
+        return torch.from_numpy(np.clip((observation - mean) / deviation, -SEEN_LIMIT, SEEN_LIMIT))
+
+    def _count(self, observations: np.ndarray) -> None:
+        """Take observations (M, O) into the running moments."""
+        share = len(observations) / (self.count + len(observations))
+        self.mean += share * (observations.mean(axis=0, dtype=float) - self.mean)
+        self.square += share * ((observations.astype(float) ** 2).mean(axis=0) - self.square)
+        self.count = min(self.count + len(observations), 1e6)
+
+    @torch.no_grad()
+    def _roll(
+        self, seen: np.ndarray
+    ) -> tuple[dict[str, torch.Tensor], np.ndarray, float, dict[str, float]]:
+        """Play `ticks` ticks everywhere; samples with their advantages and returns."""
+        batch, config = self.batch, self.config
+        rows: list[tuple[torch.Tensor, ...]] = []
+        sums: dict[str, float] = {}
+        raw = []
+        for _ in range(config.ticks):
+            observed = self._seen(seen)
+            noise = Normal(self.actor(observed), self.log_deviation.exp())
+            action = torch.normal(noise.mean, noise.stddev, generator=self.rng)
+            raw.append(seen)
+            after, reward, ended, terms = batch.step(action.numpy())
+            following = self.critic(self._seen(after))[:, 0]
+            rows.append((
+                observed, action, noise.log_prob(action).sum(1), self.critic(observed)[:, 0],
+                following, torch.from_numpy(_priced(reward, action)), torch.from_numpy(ended),
+            ))  # fmt: skip
+            for name, values in {"reward": reward, **terms}.items():
+                sums[name] = sums.get(name, 0.0) + float(values.mean()) / config.ticks
+            seen = batch.reset(ended) if ended.any() else after
+        self._count(np.concatenate(raw))
+        columns = [torch.stack(column) for column in zip(*rows, strict=True)]
+        observed, action, log_prob, value, following, reward, ended = columns
+        advantage = self._advantages(value, following, reward, ended)
+        samples = {"seen": observed, "action": action, "log_prob": log_prob,
+                   "advantage": advantage, "return": advantage + value}  # fmt: skip
+        flat = {name: column.flatten(0, 1) for name, column in samples.items()}
+        return flat, seen, sums.pop("reward"), sums
+
+    def _advantages(
+        self,
+        value: torch.Tensor,
+        following: torch.Tensor,
+        reward: torch.Tensor,
+        ended: torch.Tensor,
+    ) -> torch.Tensor:
+        """Generalised advantage estimates (T, N); an end is a cut, its value goes on."""
+        config, running = self.config, torch.zeros(value.shape[1])
+        # In units in which a reward of 1 for ever is worth 1.
+        surprise = (1 - config.discount) * reward + config.discount * following - value
+        out = torch.empty_like(value)
+        for tick in range(len(value) - 1, -1, -1):
+            running = surprise[tick] + config.discount * config.trace * ~ended[tick] * running
+            out[tick] = running
+        return out
+
+    def _update(self, rollout: dict[str, torch.Tensor]) -> None:
+        config, size = self.config, len(rollout["advantage"])
+        for _ in range(config.epochs):
+            order = torch.randperm(size, generator=self.rng)
+            for begin in range(0, size, config.minibatch):
+                part = {name: values[order[begin : begin + config.minibatch]]
+                        for name, values in rollout.items()}  # fmt: skip
+                self.optimiser.zero_grad()
+                self._loss(part).backward()
+                for group in self.groups:  # apart, lest a wrong critic still the actor
+                    nn.utils.clip_grad_norm_(group, 0.5)
+                self.optimiser.step()
+
+    def _loss(self, part: dict[str, torch.Tensor]) -> torch.Tensor:
+        config, advantage = self.config, part["advantage"]
+        advantage = (advantage - advantage.mean()) / (advantage.std() + 1e-8)
+        noise = Normal(self.actor(part["seen"]), self.log_deviation.exp())
+        ratio = (noise.log_prob(part["action"]).sum(1) - part["log_prob"]).exp()
+        clipped = ratio.clamp(1 - config.clip, 1 + config.clip)
+        gain = torch.minimum(ratio * advantage, clipped * advantage).mean()
+        error = (self.critic(part["seen"])[:, 0] - part["return"]).square().mean()
+        return error - gain - config.entropy * noise.entropy().sum(1).mean()
+
+
+EFFORT = 0.03
+"""Price of a mean square action of 1: no more correction than helps."""
+
+
+def _priced(reward: np.ndarray, action: torch.Tensor) -> np.ndarray:
+    return (reward - EFFORT * np.square(action.numpy()).mean(axis=1)).astype(np.float32)
+
+
+def _network(seen: int, hidden: int, acted: int, last_gain: float) -> nn.Sequential:
+    layers = [nn.Linear(seen, hidden), nn.Linear(hidden, hidden), nn.Linear(hidden, acted)]
+    for layer, gain in zip(layers, (2**0.5, 2**0.5, last_gain), strict=True):
+        nn.init.orthogonal_(layer.weight, gain)
+        nn.init.zeros_(layer.bias)
+    first, second, last = layers
+    return nn.Sequential(first, nn.ELU(), second, nn.ELU(), last)

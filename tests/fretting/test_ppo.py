@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+
+from roboguitarist.fretting.episodes import FrettingBatch
+from roboguitarist.fretting.task import TaskConfig
+from roboguitarist.tablature import Note, Tablature
+
+torch = pytest.importorskip("torch")
+
+from roboguitarist.fretting.ppo import PPO, PPOConfig  # noqa: E402
+
+TUNE = Tablature((Note(0.0, 3, 2, 0.4), Note(0.4, 2, 1, 0.4)))
+CONFIG = PPOConfig(steps=16 * 8 * 3, ticks=8, minibatch=64, hidden=16)
+
+
+def learner(config: PPOConfig = CONFIG) -> PPO:
+    task = TaskConfig("guided", substeps=16, lead_s=1.0, random_start=True)
+    return PPO(FrettingBatch([TUNE], task, 16), config)
+
+
+def test_a_seed_repeats_the_learning():
+    first, second = learner(), learner()
+    reports = list(first.learn()), list(second.learn())
+    assert [p.reward for p in reports[0]] == [p.reward for p in reports[1]]
+    assert np.array_equal(first.policy().weight_2, second.policy().weight_2)
+    assert reports[0][-1].steps == CONFIG.steps
+
+
+def test_the_exported_policy_is_the_mean_of_the_learner():
+    ppo = learner()
+    list(ppo.learn())
+    seen = ppo.batch.reset()
+    with torch.no_grad():
+        mean = ppo.actor(ppo._seen(seen)).clamp(-1, 1).numpy()
+    assert ppo.policy().act(seen) == pytest.approx(mean, abs=1e-5)
+
+
+def test_a_restored_learner_has_the_same_weights_and_goes_on():
+    ppo = learner()
+    next(iter(ppo.learn()))
+    other = learner()
+    other.restore(ppo.state())
+    assert np.array_equal(ppo.policy().weight_1, other.policy().weight_1)
+    assert [p.steps for p in other.learn()] == [256, 384]
+
+
+def test_advantages_by_hand():
+    ppo = learner(PPOConfig(discount=0.5, trace=0.5))
+    value = torch.tensor([[1.0], [2.0]])
+    following, reward = torch.tensor([[2.0], [4.0]]), torch.tensor([[2.0], [2.0]])
+    going, cut = torch.tensor([[False], [False]]), torch.tensor([[True], [False]])
+    # Surprises are .5 * 2 + .5 * 2 - 1 = 1 and .5 * 2 + .5 * 4 - 2 = 1.
+    assert ppo._advantages(value, following, reward, going).flatten().tolist() == [1.25, 1.0]
+    assert ppo._advantages(value, following, reward, cut).flatten().tolist() == [1.0, 1.0]
+
+
+@pytest.mark.slow
+def test_learning_pays():
+    # The price of corrections is off the plan's own posture, so begin from a hard case.
+    chord = Tablature(tuple(Note(0.0, s, f, 2.0) for s, f in ((4, 2), (3, 2), (2, 1))))
+    task = TaskConfig("guided", substeps=16, lead_s=0.1, random_start=True)
+    ppo = PPO(FrettingBatch([chord], task, 32), PPOConfig(steps=120_000))
+    reports = list(ppo.learn())
+    first = np.mean([p.reward for p in reports[:10]])
+    last = np.mean([p.reward for p in reports[-10:]])
+    assert last > first + 0.03
