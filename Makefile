@@ -50,7 +50,8 @@ $(VENV)/installed: pyproject.toml | $(BIN)/python
 	@touch $@
 
 $(VENV)/dev: pyproject.toml | $(BIN)/python
-	$(PIP) install --editable '.[video,dev]'
+	$(PIP) install torch==2.13.0
+	$(PIP) install --editable '.[video,train,dev]'
 	@touch $@ $(VENV)/installed
 
 $(VENV)/docs: pyproject.toml | $(BIN)/python

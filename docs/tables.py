@@ -7,6 +7,8 @@ from dataclasses import fields
 from pathlib import Path
 
 from roboguitarist.cli_report import table
+from roboguitarist.fretting.guided import CORRECTIONS
+from roboguitarist.fretting.guided import observation_blocks as guided_blocks
 from roboguitarist.fretting.paper import ACTION_LIMITS, Actions, observation_blocks
 from roboguitarist.fretting.posture import left_alone
 from roboguitarist.fretting.task import TaskConfig
@@ -15,7 +17,13 @@ from roboguitarist.fretting.task import TaskConfig
 def write(folder: Path) -> None:
     """Write all tables as Markdown into `folder`, which is made if need be."""
     folder.mkdir(exist_ok=True)
-    tables = {"settings": settings(), "observation": observation(), "action": action()}
+    tables = {
+        "settings": settings(),
+        "observation": observation(),
+        "action": action(),
+        "corrections": corrections(),
+        "guided": guided(),
+    }
     for name, text in tables.items():
         (folder / f"{name}.md").write_text(text + "\n", encoding="utf-8")
 
@@ -45,6 +53,23 @@ def observation() -> str:
     name, size = f"`{keys[-1].name}`, `one_hot` instead", str(keys[-1].size)
     rows.append((name, keys[-1].meaning, keys[-1].unit, "from the same place", size))
     return table([("row", "what", "unit", "where", "size"), *rows], text_columns=4)
+
+
+def guided() -> str:
+    """Rows of the guided task's observation."""
+    joints = left_alone(TaskConfig().scene()).nq - 5
+    blocks = guided_blocks(joints, len(CORRECTIONS))
+    rows = [(f"`{block.name}`", block.meaning, block.unit, str(block.size)) for block in blocks]
+    return table([("row", "what", "unit", "size"), *rows], text_columns=3)
+
+
+def corrections() -> str:
+    """Most by which a guided action moves each servo target."""
+    rows = [
+        (f"`{name}`", "m" if name.startswith("forearm") else "rad", f"{most:.3f}")
+        for name, most in CORRECTIONS.items()
+    ]
+    return table([("servo", "unit", "most"), *rows], text_columns=2)
 
 
 def action() -> str:

@@ -15,8 +15,8 @@ PACKAGE = ROOT / "src" / "roboguitarist"
 # The way of the data. What is to the left knows nothing of what is to the right.
 ORDER = (
     "errors storage tablature pieces registration arrangement formats guitar fingering exercises "
-    "engraving hands looks scene sensing kinematics plan servo plucking fretting policies performance "
-    "alignment metrics sound video cli_report cli_play cli"
+    "engraving hands looks scene sensing kinematics plan servo plucking fretting policies "
+    "performance alignment metrics sound video cli_report cli_play cli"
 ).split()
 
 

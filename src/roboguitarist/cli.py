@@ -32,14 +32,14 @@ class Options:
     """How a score is played.
 
     Attributes:
-        controller: What drives the left hand.
+        controller: What drives the left hand: the planner alone, or corrected by a policy.
         hand: Hand variant: fingers with coupled joints, or tendons as on the published hand.
         track: Part of the score, by number from 1 or by name; by default the first guitar.
         speed: Factor of the tempo.
         seed: Seed of everything random.
     """
 
-    controller: Literal["planner"] = "planner"
+    controller: Literal["policy", "planner"] = "planner"
     hand: Literal["linkage", "tendon"] = "linkage"
     track: Track = None
     speed: float = 1.0

@@ -188,7 +188,7 @@ class Recording:
 
 _FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 CHUNK_SAMPLES = 2400
-"""Samples of the plans simulated in one call, so that progress can be told and memory stays bounded."""
+"""Samples of the plans simulated in one call: progress can be told and memory stays bounded."""
 
 
 def simulate(

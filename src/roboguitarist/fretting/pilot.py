@@ -94,7 +94,8 @@ class Pilot:
 
         Args:
             tick: Counts from 0, and up by one with each call.
-            qpos, qvel: (nq,) and (nv,) of the whole scene at the beginning of the tick.
+            qpos: (nq,) positions of the whole scene at the beginning of the tick.
+            qvel: (nv,) velocities, then.
             sensordata: (nsensordata,) at that moment.
         """
         n_left = self._task.guide.qpos.shape[-1]
