@@ -34,6 +34,8 @@ class PPOConfig:
         epochs: Passes over them in an update.
         minibatch: Samples in a gradient step.
         learning_rate: Of Adam, at the beginning.
+        warm_up: Updates in which only the critic learns: before it knows what the plan alone is
+            worth, advantages say nothing about actions.
         discount, trace: Gamma and lambda of generalised advantage estimation.
         clip: Range of the probability ratio.
         entropy: Coefficient of the entropy bonus.
@@ -47,6 +49,7 @@ class PPOConfig:
     epochs: int = 4
     minibatch: int = 768
     learning_rate: float = 3e-4
+    warm_up: int = 20
     discount: float = 0.93
     trace: float = 0.9
     clip: float = 0.2
@@ -87,8 +90,7 @@ class PPO:
             [*self.actor.parameters(), self.log_deviation],
             list(self.critic.parameters()),
         )
-        every = [parameter for group in self.groups for parameter in group]
-        self.optimiser = torch.optim.Adam(every, config.learning_rate, eps=1e-5)
+        self.optimiser = torch.optim.Adam(sum(self.groups, []), config.learning_rate, eps=1e-5)
         self.count, self.mean, self.square = 1e-4, np.zeros(seen), np.ones(seen)
 
     def learn(self) -> Iterator[Progress]:
@@ -231,6 +233,8 @@ class PPO:
         clipped = ratio.clamp(1 - config.clip, 1 + config.clip)
         gain = torch.minimum(ratio * advantage, clipped * advantage).mean()
         error = (self.critic(part["seen"])[:, 0] - part["return"]).square().mean()
+        if self.steps < config.warm_up * config.ticks * self.batch.n_envs:
+            return error
         return error - gain - config.entropy * noise.entropy().sum(1).mean()
 
 
