@@ -90,7 +90,9 @@ class PPO:
             [*self.actor.parameters(), self.log_deviation],
             list(self.critic.parameters()),
         )
-        self.optimiser = torch.optim.Adam(sum(self.groups, []), config.learning_rate, eps=1e-5)
+        self.optimiser = torch.optim.Adam(
+            [*self.groups[0], *self.groups[1]], config.learning_rate, eps=1e-5
+        )
         self.count, self.mean, self.square = 1e-4, np.zeros(seen), np.ones(seen)
 
     def learn(self) -> Iterator[Progress]:
