@@ -8,6 +8,7 @@ from mujoco import rollout
 
 from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.fretting.posture import left_alone
+from roboguitarist.fretting.randomisation import Randomisation, delays, varied
 from roboguitarist.scene import LEFT_TIPS, SceneConfig
 from roboguitarist.sensing import columns, power_columns, stops
 
@@ -25,6 +26,8 @@ class HandBatch:
         n_envs: Number of copies, at least 1.
         control_hz: Control ticks per second; a tick is a whole number of time steps.
         n_threads: Threads that step; 0 steps in the calling thread.
+        randomisation: How far the copies' physics differ from the model's.
+        seed: Of that.
 
     Attributes:
         model: The model that all copies share.
@@ -37,7 +40,14 @@ class HandBatch:
     """
 
     def __init__(
-        self, scene: SceneConfig, n_envs: int, control_hz: float = 30.0, n_threads: int = 0
+        self,
+        scene: SceneConfig,
+        n_envs: int,
+        control_hz: float = 30.0,
+        n_threads: int = 0,
+        *,
+        randomisation: Randomisation | None = None,
+        seed: int = 0,
     ) -> None:
         self.model = left_alone(scene)
         steps = 1.0 / (control_hz * scene.timestep_s)
@@ -56,7 +66,11 @@ class HandBatch:
         self._state = np.zeros((n_envs, size))
         self.qpos = self._state[:, 1 : 1 + model.nq]
         self.qvel = self._state[:, 1 + model.nq : 1 + model.nq + model.nv]
-        self._models = [model] * n_envs
+        randomisation, rng = randomisation or Randomisation(), np.random.default_rng(seed)
+        self._late = delays(randomisation, n_envs, scene.timestep_s, self.substeps, rng)
+        self.models = [model] * n_envs
+        if randomisation != Randomisation(delay_s=randomisation.delay_s):
+            self.models = [varied(model, randomisation, rng) for _ in range(n_envs)]
         self._pool = rollout.Rollout(nthread=n_threads)
         self._data = [mujoco.MjData(model) for _ in range(max(1, n_threads))]
         self._force_n: np.ndarray | None = None
@@ -81,9 +95,9 @@ class HandBatch:
         self.qpos[index] = qpos
         data = self._data[0]
         for copy in index:
-            mujoco.mj_resetData(self.model, data)
+            mujoco.mj_resetData(self.models[copy], data)
             data.qpos[:] = self.qpos[copy]
-            mujoco.mj_forward(self.model, data)
+            mujoco.mj_forward(self.models[copy], data)
             self._sensors[copy, -1] = data.sensordata
 
     def step(self, ctrl: np.ndarray) -> np.ndarray:
@@ -98,10 +112,15 @@ class HandBatch:
         """
         self._force_n = None
         parts = ctrl[:, None] if ctrl.ndim == 2 else ctrl
+        before = self._control[:, -1].copy()
         each = self._control.reshape(self.n_envs, parts.shape[1], -1, parts.shape[2])
         each[:] = parts[:, :, None]
+        for steps in np.unique(self._late[self._late > 0]):
+            late = self._late == steps
+            self._control[late, steps:] = self._control[late, :-steps]
+            self._control[late, :steps] = before[late, None]
         self._pool.rollout(
-            self._models,
+            self.models,
             self._data,
             self._state,
             self._control,

@@ -27,7 +27,7 @@ def load(hand: str) -> Policy:
             f"no trained policy for the hand {hand!r} (there are {', '.join(checksums)};"
             " the controller 'planner' needs none)"
         )
-    with resources.as_file(resources.files(__package__) / f"{hand}.npz") as path:
+    with resources.as_file(resources.files(__name__) / f"{hand}.npz") as path:
         if hashlib.sha256(path.read_bytes()).hexdigest() != checksums[hand]:
             raise RoboGuitaristError(f"{path}: these are not the published weights (checksum)")
         return Policy.load(path)
@@ -35,5 +35,5 @@ def load(hand: str) -> Policy:
 
 def _checksums() -> dict[str, str]:
     """SHA-256 of each variant's weights."""
-    text = (resources.files(__package__) / "checksums.json").read_text(encoding="utf-8")
+    text = (resources.files(__name__) / "checksums.json").read_text(encoding="utf-8")
     return json.loads(text)
