@@ -56,10 +56,10 @@ def test_advantages_by_hand():
 
 def test_the_actor_waits_for_the_critic():
     ppo = learner(PPOConfig(steps=16 * 8 * 2, ticks=8, minibatch=64, hidden=16, warm_up=1))
-    before, critic = ppo.policy().weight_1, ppo.critic[0].weight.detach().clone()
+    before, critic = ppo.policy().weight_1, next(ppo.critic.parameters()).detach().clone()
     going = ppo.learn()
     next(going)
     assert np.array_equal(ppo.policy().weight_1, before)
-    assert not torch.equal(ppo.critic[0].weight, critic)
+    assert not torch.equal(next(ppo.critic.parameters()), critic)
     next(going)
     assert not np.array_equal(ppo.policy().weight_1, before)
