@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from dataclasses import fields
 from pathlib import Path
 
@@ -30,8 +31,9 @@ def write(folder: Path) -> None:
 
 def settings() -> str:
     """Name, default and meaning of every setting of the task."""
-    lines = (inspect.getdoc(TaskConfig) or "").partition("Attributes:\n")[2].splitlines()
-    meanings = dict(line.strip().split(": ", 1) for line in lines)
+    text = (inspect.getdoc(TaskConfig) or "").partition("Attributes:\n")[2]
+    entries = re.sub(r"\n {8,}", " ", text).splitlines()  # what is indented further goes on
+    meanings = dict(entry.strip().split(": ", 1) for entry in entries)
     rows = [
         (f"`{field.name}`", f"`{field.default!r}`", meanings[field.name])
         for field in fields(TaskConfig)
