@@ -11,6 +11,10 @@ import numpy as np
 
 _DAMPING = 1e-3
 _TOLERANCE = 2e-4
+LYING = (0.0, -1.0, -0.1)
+"""Direction of a fingertip that lies across the strings, towards the bass."""
+TOUCHING_M = 0.0008
+"""Height over the strings' axes at which a finger that lies flat touches them."""
 
 
 @dataclass(frozen=True)
@@ -23,12 +27,15 @@ class TipPaths:
         aloft: (T, k) how much each fingertip is to be kept off the strings, 0 to 1; None for
             fingers that may cross them.
         rest: (T, nq) posture towards which everything is weakly drawn.
+        flat: (T, k) how much each finger is to lie flat on the strings, 0 to 1; None for fingers
+            that never do.
     """
 
     position_m: np.ndarray
     weight: np.ndarray
     rest: np.ndarray
     aloft: np.ndarray | None = None
+    flat: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -136,6 +143,8 @@ def _cost(configuration: mink.Configuration, tasks: list[mink.Task]) -> float:
 @dataclass(frozen=True)
 class _Tasks:
     tips: list[mink.FrameTask]
+    pointing: list[mink.AxisAlignTask]
+    direction: tuple[float, float, float]
     posture: mink.PostureTask
     clearance: ClearanceTask | None
     others: list[mink.Task]
@@ -143,19 +152,21 @@ class _Tasks:
     @property
     def every(self) -> list[mink.Task]:
         clearance = [self.clearance] if self.clearance else []
-        return [*self.tips, *self.others, *clearance, self.posture]
+        return [*self.tips, *self.pointing, *self.others, *clearance, self.posture]
 
 
 def _problem(solver: Solver) -> tuple[_Tasks, list[mink.Limit], list[mink.Task]]:
     model = solver.model
     others: list[mink.Task] = [SeparationTask(solver)] if solver.apart else []
-    if solver.pointing_cost:
-        for site in solver.sites:
-            task = mink.AxisAlignTask(site, "site", (0, 0, 1), solver.pointing_cost)
-            task.set_target(solver.pointing)
-            others.append(task)
+    pointing: list[mink.AxisAlignTask] = []
+    for site in solver.sites if solver.pointing_cost else ():
+        task = mink.AxisAlignTask(site, "site", (0, 0, 1), solver.pointing_cost)
+        task.set_target(solver.pointing)
+        pointing.append(task)
     tasks = _Tasks(
         [mink.FrameTask(site, "site", 1.0, 0.0) for site in solver.sites],
+        pointing,
+        solver.pointing,
         mink.PostureTask(model, solver.posture_cost),
         ClearanceTask(solver) if solver.knuckles else None,
         others,
@@ -218,7 +229,8 @@ class ClearanceTask(mink.Task):
     """Keeps joints and idle fingertips off the strings.
 
     A point with radius r is to stay at least r + `over_m` above the strings' axes while it is
-    over the fretboard.
+    over the fretboard. The joints of a finger that lies flat are to be at the height at which
+    they touch.
     """
 
     def __init__(self, solver: Solver) -> None:
@@ -230,17 +242,22 @@ class ClearanceTask(mink.Task):
         )
         self.over_m, self.half_width_m = solver.over_m, solver.half_width_m
         self.aloft = np.ones(len(self.sites))
+        self.flat = np.zeros(len(self.sites))
+        self._per_finger = len(self.points) // len(self.sites)
         super().__init__(np.full(len(self.radius), solver.apart_cost))
 
     def compute_error(self, configuration: mink.Configuration) -> np.ndarray:
-        """Missing height of each point in metres, 0 or below."""
+        """Missing height of each point in metres, 0 or below unless it is to be flat."""
         data = configuration.data
         bodies = [body for body, _ in self.points]
         place = np.vstack([data.xpos[bodies], data.site_xpos[self.sites]])
         # Past the edge the demand fades, so that it does not jump there.
         inside = np.clip((self.half_width_m - place[:, 1]) / 0.005, 0.0, 1.0)
         inside[len(bodies) :] *= self.aloft
-        return np.minimum(0.0, place[:, 2] - self.radius - self.over_m) * inside
+        over = np.minimum(0.0, place[:, 2] - self.radius - self.over_m) * inside
+        flat = np.zeros_like(over)
+        flat[: len(bodies)] = np.repeat(self.flat, self._per_finger)
+        return (1.0 - flat) * over + flat * (place[:, 2] - self.radius - TOUCHING_M)
 
     def compute_jacobian(self, configuration: mink.Configuration) -> np.ndarray:
         """Derivative (points, nv) of the error; zero for points that are high enough.
@@ -251,7 +268,7 @@ class ClearanceTask(mink.Task):
         model, data = configuration.model, configuration.data
         error, jacobian = self.compute_error(configuration), np.zeros((len(self.radius), model.nv))
         arm = np.empty((3, model.nv))
-        for row in np.flatnonzero(error < 0):
+        for row in np.flatnonzero(error):
             if row < len(self.points):
                 mujoco.mj_jacBody(model, data, arm, None, self.points[row][0])
             else:
@@ -270,10 +287,17 @@ def _aim(tasks: _Tasks, paths: TipPaths, tick: int) -> None:
     tasks.posture.set_target(paths.rest[tick])
     if tasks.clearance and paths.aloft is not None:
         tasks.clearance.aloft = paths.aloft[tick]
+    if paths.flat is None:
+        return
+    if tasks.clearance:
+        tasks.clearance.flat = paths.flat[tick]
+    for task, flat in zip(tasks.pointing, paths.flat[tick], strict=False):
+        direction = (1.0 - flat) * np.array(tasks.direction) + flat * np.array(LYING)
+        task.set_target(direction / np.linalg.norm(direction))
 
 
 def _unchanged(paths: TipPaths, tick: int) -> bool:
-    targets = (paths.position_m, paths.weight, paths.rest, paths.aloft)
+    targets = (paths.position_m, paths.weight, paths.rest, paths.aloft, paths.flat)
     return all(
         values is None or np.array_equal(values[tick], values[tick - 1]) for values in targets
     )

@@ -21,6 +21,13 @@ SENSOR_WIDTH = 7
 # fingertips pass through the strings: a string here cannot bend out of their way.
 _GUITAR, _LEFT, _RIGHT = 1, 2, 4
 
+PAD_SOLREF, PAD_SOLIMP = (0.01, 1.0), (0.9, 0.99, 0.003, 0.5, 2.0)
+"""How finger and string give way to each other: about 1.9 N/mm at 1 to 3 N, as a fingertip's flesh
+does, and stiffer from 3 mm on. Fingers meet each other as hard plastic, as published."""
+STRING_FRICTION = 0.5
+"""Nylon on skin; with more, fingertips that land between two strings stay wedged there."""
+PAD_M = 0.002
+"""How much deeper than the strings a fingertip can sink until the fretboard stops it."""
 LEFT_BASE_M = (0.0, 0.055, -0.350)
 """Forearm origin of the left hand at zero slides: knuckles level with the strings."""
 SLIDE_RANGE_M = {"x": (-0.06, 0.42), "y": (-0.08, 0.10), "z": (-0.08, 0.08)}
@@ -75,7 +82,7 @@ def build_spec(config: SceneConfig) -> mujoco.MjSpec:
     option.timestep = config.timestep_s
     option.gravity = (0, 9.81, 0)
     option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.cone, option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 10
     option.iterations, option.ls_iterations = 20, 20
     _add_neck(spec, config.guitar)
     _add_string_sensors(spec)
@@ -112,7 +119,7 @@ def _add_neck(spec: mujoco.MjSpec, guitar: Guitar) -> None:
     spec.worldbody.add_geom(
         name="fretboard",
         type=mujoco.mjtGeom.mjGEOM_BOX,
-        pos=(end / 2, 0, -guitar.action_m - 0.003),
+        pos=(end / 2, 0, -guitar.action_m - PAD_M - 0.003),
         size=(end / 2, half_width, 0.003),
         contype=_GUITAR,
         conaffinity=_LEFT,
@@ -128,8 +135,10 @@ def _add_neck(spec: mujoco.MjSpec, guitar: Guitar) -> None:
             contype=_GUITAR,
             conaffinity=_LEFT,
             rgba=(0.9, 0.88, 0.8, 1),
-            solref=(0.005, 1),
-            solimp=(0.5, 0.99, 0.0001, 0.5, 2),
+            priority=1,
+            friction=(STRING_FRICTION, 0.005, 0.0001),
+            solref=PAD_SOLREF,
+            solimp=PAD_SOLIMP,
         )
 
 

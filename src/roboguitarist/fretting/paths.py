@@ -22,11 +22,13 @@ class TipPlan:
         position_m: (T, 4, 3) centres of the fingertips' spheres.
         grip: (T, 4) from 0 for a finger in the air to 1 for one that is down.
         force: (T, 4) share of the full force with which each presses, 0 to 1.
+        flat: (T, 4) how much each lies over several strings, 0 to 1.
     """
 
     position_m: np.ndarray
     grip: np.ndarray
     force: np.ndarray
+    flat: np.ndarray
 
 
 def tip_plan(
@@ -46,14 +48,17 @@ def tip_plan(
         pace: How to move.
     """
     home = home_path(timetable.presses, fingering, time_s, guitar, pace.hover_m)
-    tips, grip, force = [], [], []
+    tips, grip, force, flat = [], [], [], []
     for finger, (row, times) in enumerate(zip(timetable.presses, timetable.moments, strict=True)):
         away = _away(times, time_s, pace)
         played = _played(row, times, time_s, guitar, pace)
         tips.append(away[:, None] * played + (1 - away[:, None]) * home[:, finger])
         grip.append(_grip(times, time_s))
+        barres = tuple(m for press, m in zip(row, times, strict=True) if press.flat)
+        flat.append(_grip(barres, time_s))
         force.append(_pressure(times, time_s, pace))
-    return TipPlan(np.stack(tips, 1), np.stack(grip, 1), np.stack(force, 1))
+    columns = (np.stack(column, axis=1) for column in (tips, grip, force, flat))
+    return TipPlan(*columns)
 
 
 def _away(moments: tuple[Moment, ...], time_s: np.ndarray, pace: Pace) -> np.ndarray:

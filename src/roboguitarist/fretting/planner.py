@@ -10,7 +10,14 @@ from scipy.interpolate import PchipInterpolator
 
 from roboguitarist.fingering import Fingering
 from roboguitarist.fretting.paths import tip_plan
-from roboguitarist.fretting.posture import POSTURES, Posture, left_alone, rest_path, solver
+from roboguitarist.fretting.posture import (
+    FINGERS,
+    POSTURES,
+    Posture,
+    left_alone,
+    rest_path,
+    solver,
+)
 from roboguitarist.fretting.presses import find_presses
 from roboguitarist.fretting.schedule import Pace, schedule
 from roboguitarist.hands import TIP_RADIUS_M, Variant
@@ -78,9 +85,9 @@ def plan(
     rest = rest_path(hand.model, posture, tips.position_m, weight, config.base_s * PLAN_HZ)
     knots = knot_indices(timetable.turning_times(), time_s)
     aloft = 1.0 - tips.grip[knots]
-    paths = TipPaths(tips.position_m[knots], weight[knots], rest[knots], aloft)
+    paths = TipPaths(tips.position_m[knots], weight[knots], rest[knots], aloft, tips.flat[knots])
     qpos = PchipInterpolator(time_s[knots], follow(hand, paths), axis=0)(time_s)
-    contact = contact_torque(hand.model, qpos, config.force_n * tips.force)
+    contact = contact_torque(hand.model, qpos, config.force_n * tips.force, tips.flat)
     return HandPlan(time_s, qpos, servo_targets(left_alone(scene), qpos, PLAN_HZ, contact))
 
 
@@ -99,18 +106,26 @@ def knot_indices(turning_s: list[float], time_s: np.ndarray) -> np.ndarray:
     return index[apart]
 
 
-def contact_torque(model: mujoco.MjModel, qpos: np.ndarray, force_n: np.ndarray) -> np.ndarray:
-    """Generalised forces (T, nv) with which the strings push the fingertips back.
+def contact_torque(
+    model: mujoco.MjModel, qpos: np.ndarray, force_n: np.ndarray, flat: np.ndarray
+) -> np.ndarray:
+    """Generalised forces (T, nv) with which the strings push the fingers back.
+
+    A finger that lies flat is pushed under its fingertip and, as hard each, under the joints J1
+    and J2.
 
     Args:
         model: The left hand.
         qpos: (T, nq) joint path.
         force_n: (T, 4) normal forces of fingers 1 to 4, in N.
+        flat: (T, 4) how much each lies over several strings, 0 to 1.
     """
     data, jacobian = mujoco.MjData(model), np.zeros((3, model.nv))
     bodies = [model.site(name).bodyid[0] for name in LEFT_TIPS]
     sites = [model.site(name).id for name in LEFT_TIPS]
     down = np.array([0.0, 0.0, -TIP_RADIUS_M])
+    joints = [[model.body(f"lh_{f.lower()}{link}").id for link in ("distal", "middle")]
+              for f in FINGERS]  # fmt: skip
     torque = np.zeros((len(qpos), model.nv))
     for tick in np.flatnonzero(force_n.any(axis=1)):
         data.qpos[:] = qpos[tick]
@@ -120,4 +135,7 @@ def contact_torque(model: mujoco.MjModel, qpos: np.ndarray, force_n: np.ndarray)
             point = data.site_xpos[sites[finger]] + down
             mujoco.mj_jac(model, data, jacobian, None, point, bodies[finger])
             torque[tick] += jacobian[2] * force_n[tick, finger]
+            for joint in joints[finger] if flat[tick, finger] else ():
+                mujoco.mj_jacBody(model, data, jacobian, None, joint)
+                torque[tick] += jacobian[2] * force_n[tick, finger] * flat[tick, finger]
     return torque

@@ -33,6 +33,7 @@ class Press:
         start_s, end_s: When the note or run of notes on this place sounds.
         x_m: Where the fingertip presses, distance from the nut.
         barre_to: Of a barre the string nearest the treble, else `string`.
+        barre: The fingering calls it a part of a barre.
     """
 
     finger: int
@@ -42,6 +43,12 @@ class Press:
     end_s: float
     x_m: float = 0.0
     barre_to: int = 0
+    barre: bool = False
+
+    @property
+    def flat(self) -> bool:
+        """Whether the finger lies over several strings."""
+        return 0 < self.barre_to < self.string
 
 
 def find_presses(fingering: Fingering, guitar: Guitar) -> tuple[tuple[Press, ...], ...]:
@@ -63,9 +70,17 @@ def _notes_down(fingering: Fingering) -> list[Press]:
         if finger < 1:
             continue
         fret = tablature.stopped_fret(note)
-        press = Press(finger, note.string, fret, note.onset_s, ends[index], barre_to=note.string)
+        press = Press(
+            finger,
+            note.string,
+            fret,
+            note.onset_s,
+            ends[index],
+            barre_to=note.string,
+            barre=bool(fingering.barre[index]),
+        )
         key = (finger, note.onset_s)
-        if fingering.barre[index] and key in presses:
+        if press.barre and key in presses:
             press = _lay_over(presses[key], press)
         presses[key] = press
     return sorted(presses.values(), key=lambda press: (press.finger, press.start_s))
@@ -90,22 +105,26 @@ def _lay_over(barre: Press, press: Press) -> Press:
 
 
 def _merge(presses: list[Press]) -> list[Press]:
-    """Join presses of one place, and end a press where its finger is next needed."""
+    """Join presses that a finger can stay for; others end where it is next needed."""
     merged: list[Press] = []
     for press in presses:
         last = merged[-1] if merged and merged[-1].finger == press.finger else None
         if last is None:
             merged.append(press)
-        elif _place(last) == _place(press) and press.start_s <= last.end_s + MERGE_S:
-            merged[-1] = replace(last, end_s=max(last.end_s, press.end_s))
+        elif _goes_on(last, press) and press.start_s <= last.end_s + MERGE_S:
+            merged[-1] = _lay_over(last, press)
         else:
             merged[-1] = replace(last, end_s=min(last.end_s, press.start_s))
             merged.append(press)
     return merged
 
 
-def _place(press: Press) -> tuple[int, int, int]:
-    return press.string, press.fret, press.barre_to
+def _goes_on(last: Press, press: Press) -> bool:
+    """Whether a finger can stay where it is; a barre also for strings that join later."""
+    if last.fret != press.fret:
+        return False
+    same = (last.string, last.barre_to) == (press.string, press.barre_to)
+    return same or (last.barre and press.barre)
 
 
 def _spread(presses: list[Press], guitar: Guitar) -> tuple[tuple[Press, ...], ...]:
@@ -150,10 +169,11 @@ def _too_close(
     presses: list[Press], n_new: int, guitar: Guitar
 ) -> list[tuple[int, int, int, float]]:
     """Pairs of which one is new and whose strings are near: first, second, sign, gap along x."""
-    side = [float(guitar.string_y(press.string, press.x_m)) for press in presses]
+    sides = [guitar.string_y(np.array([p.string, p.barre_to or p.string]), p.x_m) for p in presses]
     pairs = []
     for first, second in combinations(range(len(presses)), 2):
-        across = abs(side[first] - side[second])
+        (bass, treble), (other_bass, other_treble) = sides[first], sides[second]
+        across = max(0.0, float(bass - other_treble), float(other_bass - treble))
         if first < n_new and across < TIP_GAP_M:
             sign = 1 if presses[second].finger > presses[first].finger else -1
             pairs.append((first, second, sign, np.sqrt(TIP_GAP_M**2 - across**2)))
