@@ -13,7 +13,7 @@ import pytest
 from builders import perfect
 from complaints import complaint
 from roboguitarist import __version__, cli_play, performance, pieces, video
-from roboguitarist.cli import Evaluate, Finger, Pieces, Play, main, parse
+from roboguitarist.cli import Evaluate, Finger, Pieces, Play, Train, main, parse
 from roboguitarist.performance import Performance
 from roboguitarist.tablature import Note, Tablature
 
@@ -68,18 +68,21 @@ def test_every_command_parses_its_defaults():
     assert parse(["play", "x"]) == Play(score="x", out=Path("out"))
     assert parse(["evaluate", "x", "y"]) == Evaluate(scores=("x", "y"))
     assert parse(["finger", "x"]) == Finger(score="x")
+    assert parse(["train", "x"]) == Train(scores=("x",))
+    assert parse(["train", "--resume"]) == Train(resume=True)
     assert parse(["pieces"]) == Pieces(names=False)
     assert parse(["play", "x"]) == parse(
-        "play x --controller planner --hand linkage --speed 1.0 --seed 0 --camera front".split()
+        "play x --controller planner --speed 1.0 --seed 0 --camera front".split()
     )
 
 
 @pytest.mark.parametrize(
     ("args", "words"),
     [
-        (["--help"], ["play", "evaluate", "finger", "pieces"]),
+        (["--help"], ["play", "evaluate", "train", "finger", "pieces"]),
         (["play", "--help"], ["--out DIR", "--no-video", "--speed", "--track N", "--seed"]),
         (["evaluate", "--help"], ["--json FILE", "--hand {linkage,tendon}"]),
+        (["train", "--help"], ["--algorithm", "droq", "--resume", "--out DIR", "--steps"]),
     ],
 )
 def test_help_names_what_there_is(args, words, capsys):

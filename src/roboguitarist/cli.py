@@ -22,6 +22,7 @@ from roboguitarist.errors import RoboGuitaristError
 
 PROG = "roboguitarist"
 Score = Annotated[str, tyro.conf.arg(metavar="SCORE"), tyro.conf.Positional]
+Hand = Annotated[Literal["linkage", "tendon"] | None, tyro.conf.arg(metavar="{linkage,tendon}")]
 Track = Annotated[str | None, tyro.conf.arg(metavar="N")]
 UNUSABLE, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
 """Exit statuses; the last two are what a shell reports for the signals."""
@@ -33,14 +34,17 @@ class Options:
 
     Attributes:
         controller: What drives the left hand: the planner alone, or corrected by a policy.
-        hand: Hand variant: fingers with coupled joints, or tendons as on the published hand.
+        policy: Policy file that drives the left hand, as `train` writes it.
+        hand: Hand variant: fingers with coupled joints, or tendons as on the published hand; by
+            default the policy file's, or linkage.
         track: Part of the score, by number from 1 or by name; by default the first guitar.
         speed: Factor of the tempo.
         seed: Seed of everything random.
     """
 
     controller: Literal["policy", "planner"] = "planner"
-    hand: Literal["linkage", "tendon"] = "linkage"
+    policy: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    hand: Hand = None
     track: Track = None
     speed: float = 1.0
     seed: int = 0
@@ -92,6 +96,53 @@ class Evaluate(Options):
 
 
 @dataclass(frozen=True, kw_only=True)
+class Train:
+    """Train a policy for the left hand on one score or a few, as the paper does.
+
+    What is not said here is as in the paper. Begin with `roboguitarist train twinkle`, which takes
+    about an hour on two cores; `batch-ppo` is the only learner that needs no graphics card.
+
+    Attributes:
+        scores: Score files, or names of pieces of the repertoire.
+        algorithm: Learner: batch-ppo is this project's own, the others are those of sbx, droq the
+            paper's; batch-ppo if none is named.
+        resume: Go on with the run in the folder, with the settings that it was begun with.
+        out: Folder of the run; runs/SCORE-ALGORITHM if none is named.
+        steps: Control ticks to learn from, over all hands.
+        seed: Seed of everything random.
+        n_envs: Hands that practise at the same time.
+        hand: Hand variant; the paper's is tendon, and so it is here.
+        control_hz: Frame rate.
+        mapping: Function that turns distances into rewards.
+        freedom: Frets below a wanted one may be held too.
+        euclidean: The plain distance as finger reward.
+        track: Part of the score, by number from 1 or by name; by default the first guitar.
+    """
+
+    scores: Annotated[
+        tuple[Score, ...], tyro.conf.arg(metavar="SCORE..."), tyro.conf.Positional
+    ] = ()
+    algorithm: Literal["batch-ppo", "droq", "sac", "crossq", "tqc", "ppo"] | None = None
+    resume: bool = False
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    steps: int | None = None
+    seed: int | None = None
+    n_envs: int | None = None
+    hand: Hand = None
+    control_hz: float | None = None
+    mapping: Literal["reciprocal", "gaussian"] | None = None
+    freedom: bool = False
+    euclidean: bool = False
+    track: Track = None
+
+    def run(self) -> None:
+        """Do what the command says."""
+        from roboguitarist import cli_train  # noqa: PLC0415
+
+        cli_train.train(self)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Finger:
     """Print the tablature of a score with the fingers of both hands.
 
@@ -131,6 +182,7 @@ class Pieces:
 Command = (
     Annotated[Play, tyro.conf.subcommand("play")]
     | Annotated[Evaluate, tyro.conf.subcommand("evaluate")]
+    | Annotated[Train, tyro.conf.subcommand("train")]
     | Annotated[Finger, tyro.conf.subcommand("finger")]
     | Annotated[Pieces, tyro.conf.subcommand("pieces")]
 )
@@ -166,7 +218,7 @@ def main(args: Sequence[str] | None = None) -> int:
     return 0
 
 
-def parse(args: Sequence[str]) -> Play | Evaluate | Finger | Pieces:
+def parse(args: Sequence[str]) -> Play | Evaluate | Train | Finger | Pieces:
     """The command that the arguments ask for.
 
     Raises:

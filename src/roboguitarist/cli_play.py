@@ -152,9 +152,15 @@ def perform(
     """Play a tablature; the wall time that this took is added to `seconds`."""
     load_mujoco()
     from roboguitarist import fingering, performance  # noqa: PLC0415
+    from roboguitarist.fretting.policy import Policy  # noqa: PLC0415
 
+    policy = Policy.load(options.policy) if options.policy else None
+    hand = options.hand or (policy.hand if policy else "linkage")
     config = performance.PerformConfig(
-        hand=options.hand, controller=options.controller, seed=options.seed
+        hand=hand,  # pyright: ignore[reportArgumentType] - performing checks the name
+        controller="policy" if policy else options.controller,
+        policy=policy,
+        seed=options.seed,
     )
     start = time.perf_counter()
     fingered = fingering.assign(tablature)

@@ -124,6 +124,8 @@ def perform(
     fingering: Fingering,
     config: PerformConfig | None = None,
     progress: Callable[[float], None] | None = None,
+    left: HandPlan | None = None,
+    right: HandPlan | None = None,
 ) -> Performance:
     """Play a piece with both hands in physics.
 
@@ -133,6 +135,8 @@ def perform(
         fingering: What to play, with which fingers.
         config: How to play it.
         progress: Called with the share of the work that is done, from 0 to 1.
+        left: What `planner.plan` gives for the piece, if it is at hand.
+        right: What `plucking.plan` gives for it.
 
     Returns:
         What happened, the same for the same arguments.
@@ -143,15 +147,15 @@ def perform(
     config, progress = config or PerformConfig(), progress or (lambda _: None)
     scene = scene_config(config)
     progress(0.0)
-    right = plucking.plan(fingering, scene)
+    right = right or plucking.plan(fingering, scene)
     progress(0.2)
-    left = planner.plan(fingering, scene)
-    progress(0.6)
     model = build(scene)
     pilot = None
     if config.controller == "policy":
         policy = config.policy or policies.load(config.hand)
-        pilot = Pilot(policy, fingering, left, scene, model)
+        pilot = Pilot(policy, fingering, scene, model, guitar=config.guitar, plan=left)
+    left = pilot.plan if pilot else left or planner.plan(fingering, scene)
+    progress(0.6)
     recording = simulate(model, left, right, lambda share: progress(0.6 + 0.4 * share), pilot)
     return _observe(fingering, config, scene, model, recording)
 
@@ -205,30 +209,33 @@ def simulate(
         left: Plan of the left hand.
         right: Plan of the right hand, over the same times.
         progress: Called with the share that is done, from 0 to 1.
-        pilot: Corrects the left hand's plan while the piece lasts.
+        pilot: Moves the left hand, or corrects its plan, while the piece lasts.
     """
     data = mujoco.MjData(model)
     data.qpos[:] = np.concatenate([left.qpos[0], right.qpos[0]])
     mujoco.mj_forward(model, data)
     state = np.empty(mujoco.mj_stateSize(model, _FULL))
     mujoco.mj_getState(model, data, state, _FULL)
-    sensed = data.sensordata.copy()
+    sensed = data.sensordata[None].copy()
     substeps = round(1.0 / (PLAN_HZ * model.opt.timestep))
     plan, n_left = np.hstack([left.ctrl, right.ctrl]), left.ctrl.shape[1]
     time_s = left.time_s[0] + model.opt.timestep * np.arange(1, len(plan) * substeps + 1)
     qpos, readings, start = [], [], 0
     while start < len(plan):
-        tick = start // pilot.parts if pilot else 0
-        corrected = pilot is not None and tick < pilot.n_ticks
-        chunk = plan[start : start + (pilot.parts if pilot and corrected else CHUNK_SAMPLES)].copy()
-        if pilot and corrected:
+        tick, size = -1, CHUNK_SAMPLES
+        if pilot:
+            tick = (start - pilot.first) // pilot.parts
+            size = pilot.first - start if tick < 0 else size
+            size = pilot.parts if 0 <= tick < pilot.n_ticks else size
+        chunk = plan[start : start + size].copy()
+        if pilot and 0 <= tick < pilot.n_ticks:
             joints = state[1 : 1 + model.nq + model.nv]
             targets = pilot.ctrl(tick, joints[: model.nq], joints[model.nq :], sensed)
             chunk[:, :n_left] = targets[: len(chunk)]
         states, sensordata = mujoco.rollout.rollout(
             model, data, state, np.repeat(chunk, substeps, axis=0)
         )
-        state, sensed = states[0, -1], sensordata[0, -1]
+        state, sensed = states[0, -1], sensordata[0]
         qpos.append(states[0, :, 1 : 1 + model.nq].astype(np.float32))
         readings.append(sensordata[0].astype(np.float32))
         start += len(chunk)

@@ -10,7 +10,7 @@ import zipfile
 import zlib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any, get_origin, get_type_hints
 
@@ -83,12 +83,14 @@ def load(
 ) -> Any:
     """Read a dataclass of type `kind` that `save` wrote.
 
+    A field with a default may be missing: files stay readable when a dataclass gains one.
+
     Raises:
         RoboGuitaristError: If the file is missing or is not such a file.
     """
     decode, hints = decode or {}, get_type_hints(kind)
     try:
-        arrays = _arrays(Path(path), [entry.name for entry in fields(kind)])
+        arrays = _arrays(Path(path), kind)
         values = {
             name: array if name in decode else _restored(array, hints[name], name)
             for name, array in arrays.items()
@@ -98,7 +100,8 @@ def load(
     except _BROKEN as error:
         raise RoboGuitaristError(f"{path}: not a saved {kind.__name__} ({error})") from error
     for name, text in decode.items():
-        values[name] = text(str(values[name]))
+        if name in values:
+            values[name] = text(str(values[name]))
     return kind(**values)
 
 
@@ -117,12 +120,16 @@ _BROKEN = (
 )
 
 
-def _arrays(path: Path, names: list[str]) -> dict[str, np.ndarray]:
+def _arrays(path: Path, kind: type) -> dict[str, np.ndarray]:
     with zipfile.ZipFile(path) as archive:
         if sum(member.file_size for member in archive.infolist()) > MAX_BYTES:
             raise ValueError(f"it unpacks to more than {MAX_BYTES // 10**9} GB")
     with np.load(path, allow_pickle=False) as archive:
-        return {name: archive[name] for name in names}
+        return {
+            entry.name: archive[entry.name]
+            for entry in fields(kind)
+            if entry.default is MISSING or entry.name in archive
+        }
 
 
 _KINDS = {int: "iu", float: "fiu", str: "U", bool: "b", np.ndarray: "biufU"}

@@ -5,7 +5,6 @@ from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.fingering import assign
 from roboguitarist.fretting.episodes import FrettingBatch
 from roboguitarist.fretting.pilot import Pilot
-from roboguitarist.fretting.planner import plan
 from roboguitarist.fretting.policy import Policy
 from roboguitarist.fretting.task import TaskConfig
 from roboguitarist.performance import PerformConfig, perform
@@ -58,4 +57,4 @@ def test_a_policy_for_another_hand_is_refused(batch):
     policy = some_policy(batch.observation_size, batch.n_actions, 1.0, "tendon")
     fingering, scene = assign(TUNE), SceneConfig(visuals=False)
     with pytest.raises(RoboGuitaristError, match="'tendon'"):
-        Pilot(policy, fingering, plan(fingering, scene), scene, build(scene))
+        Pilot(policy, fingering, scene, build(scene))

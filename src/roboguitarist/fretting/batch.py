@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import mujoco
 import numpy as np
 from mujoco import rollout
@@ -136,6 +138,20 @@ class HandBatch:
         self.n_failures += int(failed.sum())
         self._state[:] = last
         return failed
+
+    def state(self) -> dict[str, np.ndarray]:
+        """Where all copies are and what their sensors say, as arrays."""
+        return {
+            "state": self._state.copy(),
+            "sensors": self._sensors.copy(),
+            "control": self._control[:, -1].copy(),
+        }
+
+    def restore(self, state: Mapping[str, np.ndarray]) -> None:
+        """Be where `state` was taken, with as many copies and the same model."""
+        self._force_n = None
+        self._state[:], self._sensors[:] = state["state"], state["sensors"]
+        self._control[:, -1] = state["control"]
 
     @property
     def tip_m(self) -> np.ndarray:

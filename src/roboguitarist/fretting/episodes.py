@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import mujoco
 import numpy as np
 
 from roboguitarist.errors import RoboGuitaristError
+from roboguitarist.fingering import Fingering
 from roboguitarist.fretting.bank import fill, fingered, string_goals
 from roboguitarist.fretting.batch import HandBatch
 from roboguitarist.fretting.guided import GuidedTask, guide, plans
@@ -17,6 +20,7 @@ from roboguitarist.plan import HandPlan
 from roboguitarist.tablature import Tablature
 
 OBSERVATION_LIMIT = 10.0
+_KEPT = ("episode", "tick", "played", "last_action", "last_reward")
 
 
 class FrettingBatch:
@@ -50,7 +54,7 @@ class FrettingBatch:
             raise RoboGuitaristError("no tablature to fret (one at least)")
         self.config = config or TaskConfig()
         self.hands = HandBatch(self.config.scene(), n_envs, self.config.control_hz, n_threads)
-        self.task = make_task(tablatures, self.config, self.hands.model, plans)
+        self.task = make_task(fingered(tablatures), self.config, self.hands.model, plans)
         self.bank = self.task.bank
         self.episode, self.tick = np.zeros(n_envs, int), np.zeros(n_envs, int)
         self.played = np.zeros(n_envs, int)
@@ -121,6 +125,21 @@ class FrettingBatch:
         np.minimum(self.tick, self.bank.length[self.episode] - 1, out=self.tick)
         return self.observe(), reward, ended, terms
 
+    def state(self) -> dict[str, Any]:
+        """Where all environments are, for `restore`: arrays, and the random generator as text."""
+        arrays = {name: getattr(self, name).copy() for name in _KEPT}
+        return {
+            **arrays, "hands": self.hands.state(), "rng": json.dumps(self.rng.bit_generator.state)
+        }  # fmt: skip
+
+    def restore(self, state: Mapping[str, Any]) -> None:
+        """Be where `state` was taken, with as many environments and the same tablatures."""
+        for name in _KEPT:
+            getattr(self, name)[:] = state[name]
+        self.hands.restore(state["hands"])
+        self.rng = np.random.default_rng()
+        self.rng.bit_generator.state = json.loads(state["rng"])
+
     def observe(self) -> np.ndarray:
         """Observations (N, observation_size) float32, rows in the order of `blocks`."""
         rows = self.task.observe(self.hands, self.at, self.last_action, self.last_reward)
@@ -134,17 +153,22 @@ def assembled(rows: Sequence[np.ndarray]) -> np.ndarray:
 
 
 def make_task(
-    tablatures: Sequence[Tablature],
+    fingerings: Sequence[Fingering],
     config: TaskConfig,
     model: mujoco.MjModel,
     planned: Sequence[HandPlan] | None = None,
 ) -> PaperTask | GuidedTask:
-    """The task that the settings name, over these tablatures.
+    """The task that the settings name, over these fingerings.
+
+    Args:
+        fingerings: What is to be fretted.
+        config: Settings.
+        model: The left hand.
+        planned: What the planner would do, for the guided task, which plans itself otherwise.
 
     Raises:
         RoboGuitaristError: If there is no such task.
     """
-    fingerings = fingered(tablatures)
     if config.task not in TASKS:
         raise RoboGuitaristError(f"no task {config.task!r} (there are {', '.join(TASKS)})")
     bank, every = fill(fingerings, config)

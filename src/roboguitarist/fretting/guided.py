@@ -118,6 +118,10 @@ class GuidedTask:
         """As the planner would have it there."""
         return self.guide.qpos[at]
 
+    def resting_action(self) -> np.ndarray:
+        """No correction: (A,) zeros."""
+        return np.zeros(self.n_actions, np.float32)
+
     def observe(
         self, hands: Hands, at: Place, last_action: np.ndarray, last_reward: np.ndarray
     ) -> tuple[np.ndarray, ...]:

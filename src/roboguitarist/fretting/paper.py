@@ -16,6 +16,7 @@ from roboguitarist.fretting.presses import tip_height
 from roboguitarist.fretting.task import Block, Hands, Place, TaskConfig, Terms
 from roboguitarist.guitar import Guitar
 from roboguitarist.sensing import PRESS_THRESHOLD_N
+from roboguitarist.servo import actuator_moment
 
 READY_M = 0.02
 """Height over the strings at which fingertips begin an episode."""
@@ -51,6 +52,12 @@ class Actions:
         # A wrist that the paper bends further than the hand's servo goes ends at its limit.
         self.low, self.high = np.clip((low, high), *model.actuator_ctrlrange[servos].T)
         self._servos, self._nu = np.array(servos), model.nu
+
+    def of(self, ctrl: np.ndarray) -> np.ndarray:
+        """The actions (N, size) in [-1, 1] nearest to servo targets (N, nu); 0 where none moves."""
+        width = self.high - self.low
+        share = (ctrl[:, self._servos] - self.low) / np.where(width > 0, width, 1.0)
+        return np.where(width > 0, np.clip(2.0 * share - 1.0, -1.0, 1.0), 0.0)
 
     @property
     def size(self) -> int:
@@ -113,7 +120,7 @@ class PaperTask:
         self.n_actions = self.actions.size
         self.blocks = observation_blocks(config, model, config.scene().guitar, self.n_actions)
         self._low, self._width = model.jnt_range[:, 0], np.ptp(model.jnt_range, axis=1)
-        self._starts = _starts(config)
+        self._starts, self._moment = _starts(config), actuator_moment(model)
 
     def ctrl(self, action: np.ndarray, last_action: np.ndarray, at: Place) -> np.ndarray:
         """Servo targets (N, nu) of actions (N, 20)."""
@@ -123,6 +130,15 @@ class PaperTask:
         """At rest over the strings, where the fingering holds the hand."""
         hold = self.bank.hold_position[at]
         return self._starts[np.clip(hold, 1, len(self._starts)) - 1]
+
+    def resting_ctrl(self, at: Place) -> np.ndarray:
+        """Servo targets (N, nu) that keep the hand where episodes begin, gravity being balanced."""
+        return self.start(at) @ self._moment.T
+
+    def resting_action(self) -> np.ndarray:
+        """(A,) float32, in the mean over the beginnings of the tablatures."""
+        first = np.arange(len(self.bank.length)), np.zeros(len(self.bank.length), int)
+        return self.actions.of(self.resting_ctrl(first)).mean(axis=0).astype(np.float32)
 
     def observe(
         self, hands: Hands, at: Place, last_action: np.ndarray, last_reward: np.ndarray

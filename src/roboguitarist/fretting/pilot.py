@@ -1,22 +1,23 @@
-"""A policy at the servos: it corrects a plan tick by tick, from what the sensors say."""
+"""A policy at the servos: it moves the left hand tick by tick, from what the sensors say."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
 
 from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.fingering import Fingering
-from roboguitarist.fretting.bank import fill
-from roboguitarist.fretting.episodes import assembled
-from roboguitarist.fretting.guided import GuidedTask, guide
+from roboguitarist.fretting import planner
+from roboguitarist.fretting.episodes import assembled, make_task
+from roboguitarist.fretting.paper import PaperTask
 from roboguitarist.fretting.policy import Policy
+from roboguitarist.fretting.posture import left_alone
 from roboguitarist.fretting.task import TaskConfig
-from roboguitarist.plan import LEAD_IN_S, PLAN_HZ, HandPlan
+from roboguitarist.plan import LEAD_IN_S, PLAN_HZ, HandPlan, plan_times
 from roboguitarist.scene import LEFT_TIPS, SceneConfig
-from roboguitarist.sensing import Stops, columns, stops
+from roboguitarist.sensing import Stops, columns, left_power, stops
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,7 @@ class Reading:
     qvel: np.ndarray
     tip_m: np.ndarray
     held: Stops
+    mean_power_w: np.ndarray
 
     def press_force_n(self) -> np.ndarray:
         """Normal force (1, 6, F) in each fret space."""
@@ -37,21 +39,24 @@ class Reading:
         return self.held.sounding_fret(capo)
 
     def power_w(self) -> np.ndarray:
-        """Not measured here."""
-        return np.zeros(1)
+        """Absolute mechanical power (1,) over the last tick."""
+        return self.mean_power_w
 
 
 class Pilot:
-    """Plays one piece with a policy.
+    """Plays one piece with a policy, whichever task it was trained on.
 
     Args:
-        policy: What corrects.
+        policy: What moves the hand, or corrects its plan.
         fingering: What is played.
-        plan: How the planner would play it.
         scene: Guitar, hands and time step.
         model: A model of the scene, with the left hand first.
+        guitar: Name of the scene's guitar preset.
+        plan: How the planner would play it, if it is at hand; for the guided task.
 
     Attributes:
+        plan: What the hand does where the policy has no say: before and after the piece.
+        first: The plan's sample at which the policy begins.
         parts: Samples of the plan in a tick.
 
     Raises:
@@ -62,29 +67,34 @@ class Pilot:
         self,
         policy: Policy,
         fingering: Fingering,
-        plan: HandPlan,
         scene: SceneConfig,
         model: mujoco.MjModel,
+        *,
+        guitar: str = "classical",
+        plan: HandPlan | None = None,
     ) -> None:
-        if (policy.task, policy.hand) != ("guided", scene.hand):
+        if policy.hand != scene.hand:
             raise RoboGuitaristError(
-                f"the policy is for the task {policy.task!r} with the hand {policy.hand!r},"
-                f" not for 'guided' with {scene.hand!r}"
+                f"the policy is for the hand {policy.hand!r}, not for {scene.hand!r}"
             )
-        substeps = round(1.0 / (policy.control_hz * scene.timestep_s))
-        config = TaskConfig(
-            "guided", scene.hand, control_hz=policy.control_hz, substeps=substeps, lead_s=LEAD_IN_S
-        )
-        bank, _ = fill([fingering], config, scene.guitar)
-        self._task = GuidedTask(config, model, bank, guide([plan], bank, config))
-        self._policy, self._model, self._guitar = policy, model, scene.guitar
+        config = _on_stage(policy, scene, guitar)
+        if config.task == "guided" and plan is None:
+            plan = planner.plan(fingering, scene)
+        left = left_alone(scene)
+        self._task = make_task([fingering], config, left, [plan] if plan else None)
+        if isinstance(self._task, PaperTask):
+            plan = _resting(self._task, fingering)
+        assert plan is not None
+        self.plan, self._policy = plan, policy
+        self._model, self._guitar, self._n_left = model, scene.guitar, left.nq
         self._tips = np.array([columns(model, tip) for tip in LEFT_TIPS])
-        self._last = np.zeros((1, self._task.n_actions))
+        self._last = self._change = np.zeros((1, self._task.n_actions))
         self.parts = round(PLAN_HZ / policy.control_hz)
+        self.first = round((LEAD_IN_S - config.lead_s) * PLAN_HZ)
 
     @property
     def n_ticks(self) -> int:
-        """Ticks until the piece ends; after that there is nothing to correct."""
+        """Ticks until the piece ends; after that the policy has no say."""
         return int(self._task.bank.length[0])
 
     def ctrl(
@@ -96,18 +106,50 @@ class Pilot:
             tick: Counts from 0, and up by one with each call.
             qpos: (nq,) positions of the whole scene at the beginning of the tick.
             qvel: (nv,) velocities, then.
-            sensordata: (nsensordata,) at that moment.
+            sensordata: (S, nsensordata) over the physics steps of the tick before, the last
+                one's being those of that moment.
         """
-        n_left = self._task.guide.qpos.shape[-1]
         reading = Reading(
-            qpos[None, :n_left],
-            qvel[None, :n_left],
-            sensordata[self._tips][None],
-            stops(self._model, sensordata[None], self._guitar),
+            qpos[None, : self._n_left],
+            qvel[None, : self._n_left],
+            sensordata[-1, self._tips][None],
+            stops(self._model, sensordata[-1:], self._guitar),
+            left_power(self._model, sensordata).mean(keepdims=True),
         )
+        reward = np.zeros(1)
+        if tick:
+            before = np.zeros(1, int), np.full(1, tick - 1)
+            reward, _ = self._task.reward(reading, before, self._change)
         at = np.zeros(1, int), np.full(1, tick)
-        rows = self._task.observe(reading, at, self._last, np.zeros(1))
-        action = self._policy.act(assembled(rows))
+        action = self._policy.act(assembled(self._task.observe(reading, at, self._last, reward)))
         targets = self._task.ctrl(action, self._last, at)
-        self._last = action
+        self._change, self._last = action - self._last, action
+        if targets.ndim == 2:
+            targets = np.repeat(targets[:, None], self.parts, axis=1)
         return targets[0]
+
+
+def _on_stage(policy: Policy, scene: SceneConfig, guitar: str) -> TaskConfig:
+    """The policy's task with the scene's time step.
+
+    Raises:
+        RoboGuitaristError: If the plans' samples do not fill its ticks, or it begins before them.
+    """
+    config = policy.task_config()
+    lead_s = LEAD_IN_S if config.task == "guided" else config.lead_s
+    parts = PLAN_HZ / policy.control_hz
+    if abs(parts - round(parts)) > 1e-6 or lead_s > LEAD_IN_S:
+        raise RoboGuitaristError(
+            f"a policy of {policy.control_hz:g} Hz that begins {lead_s:g} s before the piece"
+            f" (its ticks must be whole numbers of 1/{PLAN_HZ:g} s, at most {LEAD_IN_S:g} s before)"
+        )
+    substeps = round(1.0 / (policy.control_hz * scene.timestep_s))
+    return replace(config, guitar=guitar, substeps=substeps, lead_s=lead_s)
+
+
+def _resting(task: PaperTask, fingering: Fingering) -> HandPlan:
+    """A plan that keeps the hand where the episode begins."""
+    at = np.zeros(1, int), np.zeros(1, int)
+    time_s = plan_times(fingering.tablature.duration_s)
+    rows = task.start(at), task.resting_ctrl(at)
+    return HandPlan(time_s, *(np.repeat(row, len(time_s), axis=0) for row in rows))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,8 @@ from torch import nn
 from torch.distributions import Normal
 
 from roboguitarist.fretting.episodes import FrettingBatch
-from roboguitarist.fretting.policy import SEEN_LIMIT, Policy
+from roboguitarist.fretting.learner import Progress
+from roboguitarist.fretting.policy import SEEN_LIMIT, Policy, settings_of
 
 LEAST_DEVIATION = 0.1
 """Added to the deviation of what is observed: else numbers that hardly change become all noise."""
@@ -39,6 +40,8 @@ class PPOConfig:
         discount, trace: Gamma and lambda of generalised advantage estimation.
         clip: Range of the probability ratio.
         entropy: Coefficient of the entropy bonus.
+        effort: Price of a mean square action of 1, for tasks in which actions are corrections:
+            no more correction than helps.
         deviation: Of the actions at the beginning.
         hidden: Units in each of the two hidden layers.
         seed: Of weights, episodes, noise and minibatches.
@@ -54,19 +57,10 @@ class PPOConfig:
     trace: float = 0.9
     clip: float = 0.2
     entropy: float = 0.0005
+    effort: float = 0.03
     deviation: float = 0.25
     hidden: int = 256
     seed: int = 0
-
-
-@dataclass(frozen=True)
-class Progress:
-    """What an update reports: ticks so far, ticks per second, means over the last rollout."""
-
-    steps: int
-    per_s: float
-    reward: float
-    terms: dict[str, float] = field(default_factory=dict)
 
 
 class PPO:
@@ -78,12 +72,14 @@ class PPO:
     """
 
     def __init__(self, batch: FrettingBatch, config: PPOConfig) -> None:
-        self.batch, self.config, self.steps = batch, config, 0
+        self.batch, self.config, self.steps, self._begun = batch, config, 0, False
         torch.manual_seed(config.seed)
         self.rng = torch.Generator().manual_seed(config.seed)
         batch.rng = np.random.default_rng(config.seed)
         seen, acted = batch.observation_size, batch.n_actions
         self.actor = _network(seen, config.hidden, acted, 0.01)
+        with torch.no_grad():  # the first actions hold the hand where it begins
+            list(self.actor.parameters())[-1].copy_(torch.from_numpy(batch.task.resting_action()))
         self.critic = _network(seen, config.hidden, 1, 1.0)
         self.log_deviation = nn.Parameter(torch.full((acted,), float(np.log(config.deviation))))
         self.groups = (
@@ -97,7 +93,8 @@ class PPO:
 
     def learn(self) -> Iterator[Progress]:
         """Learn until the steps are done; one report for each update."""
-        seen = self.batch.reset()
+        seen = self.batch.observe() if self._begun else self.batch.reset()
+        self._begun = True
         while self.steps < self.config.steps:
             begin = time.perf_counter()
             self._anneal()
@@ -118,10 +115,10 @@ class PPO:
         }
         mean, deviation = self._moments()
         return Policy(mean, deviation, **arrays, task=config.task, hand=config.hand,
-                      control_hz=config.control_hz)  # fmt: skip
+                      control_hz=config.control_hz, settings=settings_of(config))  # fmt: skip
 
     def state(self) -> dict[str, Any]:
-        """All that learning goes on from, except where the environments are."""
+        """All that learning goes on from, the environments' state too."""
         return {
             "actor": self.actor.state_dict(),
             "critic": self.critic.state_dict(),
@@ -131,6 +128,7 @@ class PPO:
             "count": self.count,
             "steps": self.steps,
             "rng": self.rng.get_state(),
+            "batch": self.batch.state(),
         }
 
     def restore(self, state: dict[str, Any]) -> None:
@@ -142,7 +140,8 @@ class PPO:
         self.mean, self.square = state["moments"].numpy()
         self.count, self.steps = state["count"], state["steps"]
         self.rng.set_state(state["rng"])
-        self.batch.rng = np.random.default_rng([self.config.seed, self.steps])
+        self.batch.restore(state["batch"])
+        self._begun = True
 
     def _anneal(self) -> None:
         left = 1.0 - self.steps / self.config.steps
@@ -183,7 +182,7 @@ class PPO:
             following = self.critic(self._seen(after))[:, 0]
             rows.append((
                 observed, action, noise.log_prob(action).sum(1), self.critic(observed)[:, 0],
-                following, torch.from_numpy(_priced(reward, action)), torch.from_numpy(ended),
+                following, torch.from_numpy(self._priced(reward, action)), torch.from_numpy(ended),
             ))  # fmt: skip
             for name, values in {"reward": reward, **terms}.items():
                 sums[name] = sums.get(name, 0.0) + float(values.mean()) / config.ticks
@@ -196,6 +195,10 @@ class PPO:
                    "advantage": advantage, "return": advantage + value}  # fmt: skip
         flat = {name: column.flatten(0, 1) for name, column in samples.items()}
         return flat, seen, sums.pop("reward"), sums
+
+    def _priced(self, reward: np.ndarray, action: torch.Tensor) -> np.ndarray:
+        effort = np.square(action.numpy()).mean(axis=1)
+        return (reward - self.config.effort * effort).astype(np.float32)
 
     def _advantages(
         self,
@@ -238,14 +241,6 @@ class PPO:
         if self.steps < config.warm_up * config.ticks * self.batch.n_envs:
             return error
         return error - gain - config.entropy * noise.entropy().sum(1).mean()
-
-
-EFFORT = 0.03
-"""Price of a mean square action of 1: no more correction than helps."""
-
-
-def _priced(reward: np.ndarray, action: torch.Tensor) -> np.ndarray:
-    return (reward - EFFORT * np.square(action.numpy()).mean(axis=1)).astype(np.float32)
 
 
 def _network(seen: int, hidden: int, acted: int, last_gain: float) -> nn.Sequential:

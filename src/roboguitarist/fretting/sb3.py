@@ -30,6 +30,7 @@ class FrettingVecEnv(VecEnv):
         num_envs: Number of hands.
         score: As for `FrettingEnv`; each episode draws one of the tablatures.
         n_threads: Threads of the physics; 0 steps in the calling thread.
+        batch: The hands, if they are made already; then nothing else need be said.
         settings: Those of `TaskConfig`, by name.
 
     Raises:
@@ -41,12 +42,15 @@ class FrettingVecEnv(VecEnv):
         num_envs: int = 1,
         score: Score | Sequence[Score] = "twinkle",
         n_threads: int = 0,
+        batch: FrettingBatch | None = None,
         **settings: Any,
     ) -> None:
-        self.batch = FrettingBatch(tablatures(score), task(**settings), num_envs, n_threads)
+        self.batch = batch or FrettingBatch(
+            tablatures(score), task(**settings), num_envs, n_threads
+        )
         self.render_mode = None
-        super().__init__(num_envs, *spaces(self.batch))
-        self._actions = np.zeros((num_envs, self.batch.n_actions), np.float32)
+        super().__init__(self.batch.n_envs, *spaces(self.batch))
+        self._actions = np.zeros((self.num_envs, self.batch.n_actions), np.float32)
 
     def reset(self) -> np.ndarray:
         """Begin an episode everywhere."""

@@ -142,3 +142,7 @@ class Task(Protocol):
     def start(self, at: Place) -> np.ndarray:
         """Postures (N, nq) in which episodes begin."""
         ...
+
+    def resting_action(self) -> np.ndarray:
+        """(A,) float32, the action that keeps the hand about where episodes begin."""
+        ...
