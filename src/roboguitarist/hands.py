@@ -181,6 +181,8 @@ def _add_link(
             damping=joint.damping,
             armature=0.0002,
             frictionloss=0.01,
+            solref_limit=(0.005, 1.0),  # as firm as plastic, as the published contacts are
+            solimp_limit=(0.95, 0.99, 0.001, 0.5, 2.0),
         )
     return body
 

@@ -13,6 +13,8 @@ _DAMPING = 1e-3
 _TOLERANCE = 2e-4
 LYING = (0.0, -1.0, -0.1)
 """Direction of a fingertip that lies across the strings, towards the bass."""
+FIRM = 4.0
+"""How much more it costs to miss that height than to come too near to the strings."""
 TOUCHING_M = 0.0008
 """Height over the strings' axes at which a finger that lies flat touches them."""
 
@@ -257,7 +259,8 @@ class ClearanceTask(mink.Task):
         over = np.minimum(0.0, place[:, 2] - self.radius - self.over_m) * inside
         flat = np.zeros_like(over)
         flat[: len(bodies)] = np.repeat(self.flat, self._per_finger)
-        return (1.0 - flat) * over + flat * (place[:, 2] - self.radius - TOUCHING_M)
+        lying = FIRM * (place[:, 2] - self.radius - TOUCHING_M)
+        return (1.0 - flat) * over + flat * lying
 
     def compute_jacobian(self, configuration: mink.Configuration) -> np.ndarray:
         """Derivative (points, nv) of the error; zero for points that are high enough.
@@ -271,6 +274,7 @@ class ClearanceTask(mink.Task):
         for row in np.flatnonzero(error):
             if row < len(self.points):
                 mujoco.mj_jacBody(model, data, arm, None, self.points[row][0])
+                arm *= 1.0 + (FIRM - 1.0) * self.flat[row // self._per_finger]
             else:
                 mujoco.mj_jacSite(model, data, arm, None, self.sites[row - len(self.points)])
                 arm *= self.aloft[row - len(self.points)]

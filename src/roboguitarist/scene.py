@@ -21,7 +21,7 @@ SENSOR_WIDTH = 7
 # fingertips pass through the strings: a string here cannot bend out of their way.
 _GUITAR, _LEFT, _RIGHT = 1, 2, 4
 
-PAD_SOLREF, PAD_SOLIMP = (0.01, 1.0), (0.9, 0.99, 0.003, 0.5, 2.0)
+PAD_SOLREF, PAD_SOLIMP = (0.012, 1.0), (0.9, 0.99, 0.003, 0.5, 2.0)
 """How finger and string give way to each other: about 1.9 N/mm at 1 to 3 N, as a fingertip's flesh
 does, and stiffer from 3 mm on. Fingers meet each other as hard plastic, as published."""
 STRING_FRICTION = 0.5

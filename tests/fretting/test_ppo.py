@@ -46,8 +46,8 @@ def test_a_restored_learner_has_the_same_weights_and_goes_on():
 
 def test_advantages_by_hand():
     ppo = learner(PPOConfig(discount=0.5, trace=0.5))
-    value = torch.tensor([[1.0], [2.0]])
-    following, reward = torch.tensor([[2.0], [4.0]]), torch.tensor([[2.0], [2.0]])
+    value = torch.tensor([[[1.0]], [[2.0]]])
+    following, reward = torch.tensor([[[2.0]], [[4.0]]]), torch.tensor([[[2.0]], [[2.0]]])
     going, cut = torch.tensor([[False], [False]]), torch.tensor([[True], [False]])
     # Surprises are .5 * 2 + .5 * 2 - 1 = 1 and .5 * 2 + .5 * 4 - 2 = 1.
     assert ppo._advantages(value, following, reward, going).flatten().tolist() == [1.25, 1.0]

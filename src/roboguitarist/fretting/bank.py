@@ -29,8 +29,10 @@ class Bank:
         until_onset_s: (K, T, 6) time until the string's next note begins, at most `HORIZON_S`.
         next_fret: (K, T, 6) the fret of that note.
         active: (K, T, 4) bool, fingers that have a key.
+        string: (K, T, 4) string on which it is, of a barre the one nearest the bass; 0 for none.
         key_m, key_length_m: (K, T, 4, 3) and (K, T, 4) where it is, and its length.
-        next_key_m, next_key_length_m: The same for each finger's next key.
+        span: (K, T, 4) how many more strings its finger lies over, 0 unless it is a barre.
+        next_key_m, next_key_length_m, next_span: The same for each finger's next key.
         left_s, until_next_s: (K, T, 4) time until the finger's key changes, and until its next
             key begins; at most `HORIZON_S`.
         hold_position: (K, T) fret at which the index finger stands.
@@ -43,10 +45,13 @@ class Bank:
     until_onset_s: np.ndarray
     next_fret: np.ndarray
     active: np.ndarray
+    string: np.ndarray
     key_m: np.ndarray
     key_length_m: np.ndarray
+    span: np.ndarray
     next_key_m: np.ndarray
     next_key_length_m: np.ndarray
+    next_span: np.ndarray
     left_s: np.ndarray
     until_next_s: np.ndarray
     hold_position: np.ndarray
@@ -78,8 +83,11 @@ def fill(
         until_onset_s=padded([until for _, until, _ in notes]),
         next_fret=padded([fret for _, _, fret in notes]),
         active=padded([goal.finger_string > 0 for goal in every]),
+        string=padded([goal.finger_string for goal in every]),
         key_m=padded([goal.finger_point_m for goal in every]),
         key_length_m=padded([_key_length(goal.finger_fret, guitar) for goal in every]),
+        span=padded([goal.finger_span for goal in every]),
+        next_span=padded([goal.next_span for goal in every]),
         next_key_m=padded([goal.next_point_m for goal in every]),
         next_key_length_m=padded([_key_length(goal.next_fret, guitar) for goal in every]),
         left_s=padded([_left_s(goal) for goal in every]),

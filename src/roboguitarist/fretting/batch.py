@@ -153,6 +153,12 @@ class HandBatch:
         self._state[:], self._sensors[:] = state["state"], state["sensors"]
         self._control[:, -1] = state["control"]
 
+    def follow(self, leaders: np.ndarray, followers: np.ndarray) -> None:
+        """Put copies (M,) where others (M,) are, with what their sensors say there."""
+        self._force_n = None
+        for array in (self._state, self._sensors[:, -1], self._control[:, -1]):
+            array[followers] = array[leaders]
+
     @property
     def tip_m(self) -> np.ndarray:
         """Centres (N, 4, 3) of the fingertips of fingers 1 to 4 in metres."""

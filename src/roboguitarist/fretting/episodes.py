@@ -37,6 +37,7 @@ class FrettingBatch:
     Attributes:
         task: What is seen, done and paid for.
         bank: What is to be played.
+        parts: (N, R) the last rewards in their parts, see `task.Task`.
 
     Raises:
         RoboGuitaristError: If there is no tablature or a setting makes no sense.
@@ -60,6 +61,7 @@ class FrettingBatch:
         self.played = np.zeros(n_envs, int)
         self.last_action = np.zeros((n_envs, self.n_actions))
         self.last_reward = np.zeros(n_envs)
+        self.parts = np.zeros((n_envs, self.task.credit.shape[1]))
         self.rng = np.random.default_rng()
 
     @property
@@ -112,10 +114,11 @@ class FrettingBatch:
             Observations (N, observation_size), rewards (N,), whether the piece has run out or
             the physics failed (N,), and the terms of the reward by name, (N,) each.
         """
-        action = np.clip(action, -1.0, 1.0)
-        failed = self.hands.step(self.task.ctrl(action, self.last_action, self.at))
-        reward, terms = self.task.reward(self.hands, self.at, action - self.last_action)
-        reward[failed] = 0.0  # its energy may be anything
+        action = self.task.taken(np.clip(action, -1.0, 1.0), self.last_action)
+        failed = self.hands.step(self.task.ctrl(action, self.last_action, self.hands, self.at))
+        parts, terms = self.task.reward(self.hands, self.at, action - self.last_action)
+        parts[failed] = 0.0  # its energy may be anything
+        self.parts, reward = parts, parts.sum(axis=1)
         self.last_action[:], self.last_reward[:] = action, reward
         self.tick += 1
         self.played += 1
@@ -139,6 +142,19 @@ class FrettingBatch:
         self.hands.restore(state["hands"])
         self.rng = np.random.default_rng()
         self.rng.bit_generator.state = json.loads(state["rng"])
+
+    def follow(self, leaders: np.ndarray, mask: np.ndarray | None = None) -> None:
+        """Put environments where others are.
+
+        Args:
+            leaders: (N,) whom each would follow.
+            mask: (N,) bool, those that do; all by default.
+        """
+        index = np.arange(self.n_envs) if mask is None else np.flatnonzero(mask)
+        for name in _KEPT:
+            array = getattr(self, name)
+            array[index] = array[leaders[index]]
+        self.hands.follow(leaders[index], index)
 
     def observe(self) -> np.ndarray:
         """Observations (N, observation_size) float32, rows in the order of `blocks`."""

@@ -34,11 +34,12 @@ class Goals:
             be pressed. A note ends where its string is played again.
         finger_string: (T, 4) int8, string that finger 1 to 4 presses, 0 for an idle finger; of
             a barre the string nearest the bass.
+        finger_span: (T, 4) int8, how many more strings it lies over, 0 unless it is a barre.
         finger_fret: (T, 4) int8, fret from the nut that it presses, 0 for an idle finger.
         finger_point_m: (T, 4, 3) float32, where its fingertip's centre is in the middle of the
             key, see `key_centres`; zeros for an idle finger.
-        next_string, next_fret, next_point_m: The same for the finger's next press after the one
-            of this tick; zeros if there is none.
+        next_string, next_span, next_fret, next_point_m: The same for the finger's next press
+            after the one of this tick; zeros if there is none.
         until_next_s: (T, 4) float32, time until that press begins, above 0; `NEVER_S` if there
             is none.
         hold_position: (T,) int8, fret at which the index finger stands: that of the last note
@@ -49,9 +50,11 @@ class Goals:
     time_s: np.ndarray
     fret: np.ndarray
     finger_string: np.ndarray
+    finger_span: np.ndarray
     finger_fret: np.ndarray
     finger_point_m: np.ndarray
     next_string: np.ndarray
+    next_span: np.ndarray
     next_fret: np.ndarray
     next_point_m: np.ndarray
     until_next_s: np.ndarray
@@ -98,14 +101,16 @@ def goals(
     time_s = np.arange(max(int(ticks), 1)) / control_hz - lead_s
     presses = find_presses(fingering, guitar)
     sampled = [_presses_at(row, time_s) for row in presses]
-    string, fret, next_string, next_fret, until_next_s = np.stack(sampled, axis=-1)
+    string, fret, span, next_string, next_fret, next_span, until_next_s = np.stack(sampled, axis=-1)
     return Goals(
         time_s=time_s,
         fret=_asked(fingering.tablature, time_s),
         finger_string=string.astype(np.int8),
+        finger_span=span.astype(np.int8),
         finger_fret=fret.astype(np.int8),
         finger_point_m=key_centres(string, fret, guitar),
         next_string=next_string.astype(np.int8),
+        next_span=next_span.astype(np.int8),
         next_fret=next_fret.astype(np.int8),
         next_point_m=key_centres(next_string, next_fret, guitar),
         until_next_s=until_next_s.astype(np.float32),
@@ -170,11 +175,12 @@ def _begun(start_s: np.ndarray, time_s: np.ndarray) -> np.ndarray:
 
 
 def _presses_at(row: tuple[Press, ...], time_s: np.ndarray) -> np.ndarray:
-    """String and fret now, string and fret next, time until then (5, T) of one finger."""
+    """String, fret and span now, the same next, time until then: (7, T) of one finger."""
     start_s = np.array([press.start_s for press in row])
     end_s = np.array([press.end_s for press in row])
     # The last entry, which is index -1, stands for no press.
-    place = np.array([(press.string, press.fret) for press in row] + [(0, 0)])
+    rows = [(press.string, press.fret, press.string - press.barre_to) for press in row]
+    place = np.array([*rows, (0, 0, 0)])
     now = _current(start_s, end_s, time_s)
     following = _begun(start_s, time_s) + 1
     until_s = np.append(start_s, np.inf)[following] - time_s

@@ -15,6 +15,7 @@ from roboguitarist.fretting.bank import HORIZON_S, Bank, padded
 from roboguitarist.fretting.task import Block, Hands, Place, TaskConfig, Terms
 from roboguitarist.plan import LEAD_IN_S, PLAN_HZ, HandPlan
 from roboguitarist.sensing import DEAD
+from roboguitarist.servo import actuator_moment
 
 _FINGER = {"J4": 0.3, "J3": 0.3, "J0": 0.5}
 CORRECTIONS: dict[str, float] = {
@@ -27,6 +28,10 @@ CORRECTIONS: dict[str, float] = {
     **{f"{f}{j}": most for f in ("FF", "MF", "RF", "LF") for j, most in _FINGER.items()},
 }
 """Most by which an action moves each servo target, in m and rad; the thumb's stay as planned."""
+FEEDBACK = 1.0
+"""Share of what a servo misses that is added to its target, see `GuidedTask.ctrl`."""
+PROMPTNESS = 0.3
+"""Share of its way that a correction goes in a tick: quicker ones make hand and policy tremble."""
 ONSET_S = 0.05
 """A string is to be ready that long before its note begins, and counts more for as long after."""
 MARGIN_M = 0.03
@@ -34,6 +39,9 @@ MARGIN_M = 0.03
 AHEAD_TICKS = (3, 8)
 """Ticks ahead at which the observation says how the planned posture will have changed."""
 WEIGHTS = {"playing": 0.75, "finger": 0.15, "calm": 0.1}
+FINGERS = ("FF", "MF", "RF", "LF")
+NEIGHBOUR = 0.5
+"""Share of what becomes of a finger that is owed to the finger beside it."""
 _JOINT_RAD, _SLIDE_M, _NEAR_M, _FORCE_N = 0.2, 0.01, 0.02, 3.0
 
 
@@ -53,26 +61,35 @@ class Guide:
 def guide(plans: Sequence[HandPlan], bank: Bank, config: TaskConfig) -> Guide:
     """Cut plans into control ticks.
 
+    Between the samples of a plan everything changes evenly.
+
     Raises:
-        RoboGuitaristError: If a tick is no whole number of the plans' samples, or the lead is
-            longer than theirs.
+        RoboGuitaristError: If the lead is longer than the plans'.
     """
-    parts = round(PLAN_HZ / config.control_hz)
-    if abs(parts * config.control_hz - PLAN_HZ) > 1e-6 or config.substeps % parts:
-        raise RoboGuitaristError(
-            f"{config.control_hz:g} Hz with {config.substeps} substeps: plans have {PLAN_HZ:g}"
-            " samples a second, and ticks whole numbers of both"
-        )
-    skipped = round((LEAD_IN_S - config.lead_s) * PLAN_HZ)
-    if skipped < 0:
+    if config.lead_s > LEAD_IN_S:
         raise RoboGuitaristError(f"lead_s {config.lead_s:g} (at most {LEAD_IN_S:g} with a plan)")
+    parts = parts_of_tick(config)
     qpos, ctrl = [], []
     for plan, length in zip(plans, bank.length.tolist(), strict=True):
-        samples = slice(skipped, skipped + parts * length)
-        targets = plan.ctrl[samples].astype(np.float32)
-        ctrl.append(targets.reshape(length, parts, -1))
-        qpos.append(plan.qpos[skipped : skipped + parts * length + 1 : parts].astype(np.float32))
+        ticks = np.arange(length + 1) / config.control_hz - config.lead_s
+        samples = np.arange(length * parts) / (parts * config.control_hz) - config.lead_s
+        ctrl.append(_sampled(plan.time_s, plan.ctrl, samples).reshape(length, parts, -1))
+        qpos.append(_sampled(plan.time_s, plan.qpos, ticks))
     return Guide(padded(qpos), padded(ctrl))
+
+
+def parts_of_tick(config: TaskConfig) -> int:
+    """In how many parts of a tick the targets differ: about as often as a plan's samples do."""
+    most = int(1.3 * PLAN_HZ / config.control_hz)
+    return max(k for k in range(1, max(most, 1) + 1) if config.substeps % k == 0)
+
+
+def _sampled(time_s: np.ndarray, values: np.ndarray, at_s: np.ndarray) -> np.ndarray:
+    """Values (T, n) of a plan at other times (S,), as (S, n) float32."""
+    place = np.clip(np.interp(at_s, time_s, np.arange(len(time_s))), 0, len(time_s) - 1)
+    first = np.minimum(place.astype(int), len(time_s) - 2)
+    share = (place - first)[:, None]
+    return ((1.0 - share) * values[first] + share * values[first + 1]).astype(np.float32)
 
 
 def plans(fingerings: Sequence[Fingering], config: TaskConfig) -> list[HandPlan]:
@@ -97,6 +114,7 @@ class GuidedTask:
         self._servos = np.array([model.actuator(f"lh_A_{name}").id for name in CORRECTIONS])
         self._most = np.array(list(CORRECTIONS.values()))
         self._range = model.actuator_ctrlrange[:nu].T
+        self._moment = actuator_moment(model)[:nu, :nq]
         names = [model.joint(index).name for index in range(nq)]
         self._joints = np.array([i for i, name in enumerate(names) if "_TH" not in name])
         slides = np.array(["forearm" in names[i] for i in self._joints])
@@ -104,15 +122,34 @@ class GuidedTask:
         low, high = model.jnt_range[self._joints].T
         self._middle, self._half = (low + high) / 2, (high - low) / 2
         self.n_actions = len(self._servos)
+        # Each finger is a group, arm and wrist the last; all are owed what no finger alone does.
+        self.groups = np.array([(*FINGERS, name[:2]).index(name[:2]) for name in CORRECTIONS])
+        self.credit = np.ones((5, 5))
+        beside = np.abs(np.subtract.outer(np.arange(4), np.arange(4)))
+        self.credit[:4, :4] = np.select([beside == 0, beside == 1], [1.0, NEIGHBOUR])
         self.blocks = observation_blocks(len(self._joints), self.n_actions)
 
-    def ctrl(self, action: np.ndarray, last_action: np.ndarray, at: Place) -> np.ndarray:
-        """Planned targets with corrections that go evenly from the last ones to these."""
+    def ctrl(
+        self, action: np.ndarray, last_action: np.ndarray, hands: Hands, at: Place
+    ) -> np.ndarray:
+        """Planned targets, corrected by the action and by how far the hand is from both.
+
+        The corrections go evenly from the last ones to these. What the hand missed of plan and
+        corrections at the beginning of the tick is added: the servos alone are too weak to hold a
+        finger against its neighbours.
+        """
         targets = self.guide.ctrl[at].astype(float)
         share = (np.arange(targets.shape[1]) + 1.0)[:, None] / targets.shape[1]
         old, new = last_action[:, None], np.clip(action, -1.0, 1.0)[:, None]
         targets[:, :, self._servos] += (old + share * (new - old)) * self._most
+        missed = (self.guide.qpos[at] - hands.qpos) @ self._moment.T
+        missed[:, self._servos] += last_action * self._most
+        targets += FEEDBACK * missed[:, None]
         return np.clip(targets, *self._range)
+
+    def taken(self, action: np.ndarray, last_action: np.ndarray) -> np.ndarray:
+        """A part of the way from the last correction to the one that is asked for."""
+        return last_action + PROMPTNESS * (action - last_action)
 
     def start(self, at: Place) -> np.ndarray:
         """As the planner would have it there."""
@@ -148,6 +185,8 @@ class GuidedTask:
             active,
             bank.key_length_m[at] / (2 * _NEAR_M),
             bank.next_key_length_m[at] / (2 * _NEAR_M),
+            bank.span[at] / 5.0,
+            bank.next_span[at] / 5.0,
             _soon(bank.left_s[at]),
             _soon(bank.until_next_s[at]),
             *self._strings(hands, at),
@@ -172,7 +211,7 @@ class GuidedTask:
         )
 
     def reward(self, hands: Hands, at: Place, change: np.ndarray) -> tuple[np.ndarray, Terms]:
-        """What would be heard, judged at the end of the tick."""
+        """What would be heard at the end of the tick, by the fingers that hold it and the rest."""
         bank = self.bank
         now = at[0], np.minimum(at[1] + 1, bank.fret.shape[1] - 1)
         capo = bank.capo[at[0]][:, None]
@@ -181,26 +220,42 @@ class GuidedTask:
         wanted = np.where(soon, bank.next_fret[now], bank.fret[now])
         sounding = hands.sounding_fret()
         sounding = np.where(sounding == DEAD, DEAD, np.maximum(sounding, capo))
-        terms = {
-            "playing": rewards.playing_reward(
-                hands.press_force_n(),
-                sounding,
-                np.maximum(wanted, capo),
-                bank.asked[now] | soon,
-                soon | begun,
-            ),
-            "finger": rewards.finger_reward(
-                hands.tip_m,
-                bank.key_m[now],
-                bank.key_length_m[now],
-                bank.active[now],
-                self.config.mapping,
-                margin_m=MARGIN_M,
-            ),
-            "calm": rewards.calm_reward(change),
-        }
-        reward = np.sum([WEIGHTS[name] * values for name, values in terms.items()], axis=0)
-        return reward, terms
+        playing = rewards.playing_reward(
+            hands.press_force_n(),
+            sounding,
+            np.maximum(wanted, capo),
+            bank.asked[now] | soon,
+            soon | begun,
+        )
+        near = rewards.nearness(
+            hands.tip_m,
+            bank.key_m[now],
+            bank.key_length_m[now],
+            self.config.mapping,
+            margin_m=MARGIN_M,
+        )
+        active = bank.active[now]
+        count = active.sum(axis=1, keepdims=True)
+        near = np.where(active, near, 0.0) / np.maximum(count, 1)
+        calm = rewards.calm_reward(change)
+        idle = (count[:, 0] == 0).astype(float)
+        parts = np.zeros((len(calm), 5))
+        parts[:, :4] = WEIGHTS["finger"] * near
+        parts[:, 4] = WEIGHTS["finger"] * idle + WEIGHTS["calm"] * calm
+        parts += WEIGHTS["playing"] * self._shared(playing, now)
+        terms = {"playing": playing.sum(axis=1), "finger": near.sum(axis=1) + idle, "calm": calm}
+        return parts, terms
+
+    def _shared(self, playing: np.ndarray, at: Place) -> np.ndarray:
+        """What the strings (N, 6) add, by the fingers that hold them and, last, by none: (N, 5)."""
+        bass, span = self.bank.string[at][:, :, None], self.bank.span[at][:, :, None]
+        strings = np.arange(1, 7)
+        under = (strings <= bass) & (strings >= bass - span) & (bass > 0)
+        # Of several fingers on a string the one on the higher fret counts.
+        under &= ~np.flip(np.cumsum(np.flip(under, 1), axis=1) > 1, 1)
+        held = np.where(under, playing[:, None], 0.0).sum(axis=2)
+        rest = playing.sum(axis=1) - held.sum(axis=1)
+        return np.column_stack([held, rest])
 
 
 def _soon(time_s: np.ndarray) -> np.ndarray:
@@ -228,6 +283,8 @@ def observation_blocks(n_joints: int, n_actions: int) -> tuple[Block, ...]:
         Block("busy", 4, "0 or 1", "which fingers have a key"),
         Block("key_length", 4, "40 mm", "length of each finger's key"),
         Block("next_length", 4, "40 mm", "length of its next key"),
+        Block("span", 4, "5 strings", "how many more strings each finger lies over"),
+        Block("next_span", 4, "5 strings", "the same of its next key"),
         Block("key_left", 4, "exp of -0.3 s", "how soon each finger's key changes"),
         Block("key_soon", 4, "exp of -0.3 s", "how soon its next key begins"),
         Block("held", 6, "3 N, at most 2", "force on each string where it is wanted"),

@@ -118,13 +118,20 @@ class PaperTask:
         self.config, self.bank, self.string_goal = config, bank, string_goal
         self.actions = Actions(model)
         self.n_actions = self.actions.size
+        self.groups, self.credit = np.zeros(self.n_actions, int), np.ones((1, 1))
         self.blocks = observation_blocks(config, model, config.scene().guitar, self.n_actions)
         self._low, self._width = model.jnt_range[:, 0], np.ptp(model.jnt_range, axis=1)
         self._starts, self._moment = _starts(config), actuator_moment(model)
 
-    def ctrl(self, action: np.ndarray, last_action: np.ndarray, at: Place) -> np.ndarray:
+    def ctrl(
+        self, action: np.ndarray, last_action: np.ndarray, hands: Hands, at: Place
+    ) -> np.ndarray:
         """Servo targets (N, nu) of actions (N, 20)."""
         return self.actions.ctrl(action)
+
+    def taken(self, action: np.ndarray, last_action: np.ndarray) -> np.ndarray:
+        """As asked for."""
+        return action
 
     def start(self, at: Place) -> np.ndarray:
         """At rest over the strings, where the fingering holds the hand."""
@@ -163,7 +170,7 @@ class PaperTask:
         )
 
     def reward(self, hands: Hands, at: Place, change: np.ndarray) -> tuple[np.ndarray, Terms]:
-        """Equation 4 and its terms."""
+        """Equation 4, in one part, and its terms."""
         config, bank = self.config, self.bank
         fret, active = bank.fret[at], bank.active[at]
         tips, keys = hands.tip_m, bank.key_m[at]
@@ -181,7 +188,8 @@ class PaperTask:
                 hands.power_w(), np.any(fret > 0, axis=1), config.energy_coefficient
             ),
         }
-        return rewards.total(terms["key"], terms["finger"], terms["energy"]), terms
+        total = rewards.total(terms["key"], terms["finger"], terms["energy"])
+        return total[:, None], terms
 
 
 def _starts(config: TaskConfig) -> np.ndarray:

@@ -119,10 +119,11 @@ class Pilot:
         reward = np.zeros(1)
         if tick:
             before = np.zeros(1, int), np.full(1, tick - 1)
-            reward, _ = self._task.reward(reading, before, self._change)
+            reward = self._task.reward(reading, before, self._change)[0].sum(axis=1)
         at = np.zeros(1, int), np.full(1, tick)
         action = self._policy.act(assembled(self._task.observe(reading, at, self._last, reward)))
-        targets = self._task.ctrl(action, self._last, at)
+        action = self._task.taken(action, self._last)
+        targets = self._task.ctrl(action, self._last, reading, at)
         self._change, self._last = action - self._last, action
         if targets.ndim == 2:
             targets = np.repeat(targets[:, None], self.parts, axis=1)

@@ -80,7 +80,11 @@ class PPO:
         self.actor = _network(seen, config.hidden, acted, 0.01)
         with torch.no_grad():  # the first actions hold the hand where it begins
             list(self.actor.parameters())[-1].copy_(torch.from_numpy(batch.task.resting_action()))
-        self.critic = _network(seen, config.hidden, 1, 1.0)
+        self.critic = _network(seen, config.hidden, batch.task.credit.shape[1], 1.0)
+        self.credit = torch.tensor(batch.task.credit, dtype=torch.float32)
+        self.members = torch.nn.functional.one_hot(
+            torch.from_numpy(batch.task.groups), len(self.credit)
+        ).float()
         self.log_deviation = nn.Parameter(torch.full((acted,), float(np.log(config.deviation))))
         self.groups = (
             [*self.actor.parameters(), self.log_deviation],
@@ -179,10 +183,10 @@ class PPO:
             action = torch.normal(noise.mean, noise.stddev, generator=self.rng)
             raw.append(seen)
             after, reward, ended, terms = batch.step(action.numpy())
-            following = self.critic(self._seen(after))[:, 0]
+            following = self.critic(self._seen(after))
             rows.append((
-                observed, action, noise.log_prob(action).sum(1), self.critic(observed)[:, 0],
-                following, torch.from_numpy(self._priced(reward, action)), torch.from_numpy(ended),
+                observed, action, noise.log_prob(action) @ self.members, self.critic(observed),
+                following, self._priced(batch.parts, action), torch.from_numpy(ended),
             ))  # fmt: skip
             for name, values in {"reward": reward, **terms}.items():
                 sums[name] = sums.get(name, 0.0) + float(values.mean()) / config.ticks
@@ -192,13 +196,15 @@ class PPO:
         observed, action, log_prob, value, following, reward, ended = columns
         advantage = self._advantages(value, following, reward, ended)
         samples = {"seen": observed, "action": action, "log_prob": log_prob,
-                   "advantage": advantage, "return": advantage + value}  # fmt: skip
+                   "advantage": advantage @ self.credit.T,
+                   "return": advantage + value}  # fmt: skip
         flat = {name: column.flatten(0, 1) for name, column in samples.items()}
         return flat, seen, sums.pop("reward"), sums
 
-    def _priced(self, reward: np.ndarray, action: torch.Tensor) -> np.ndarray:
-        effort = np.square(action.numpy()).mean(axis=1)
-        return (reward - self.config.effort * effort).astype(np.float32)
+    def _priced(self, parts: np.ndarray, action: torch.Tensor) -> torch.Tensor:
+        """Parts (N, R) of the reward, each less the effort of the group of the same number."""
+        effort = action.square() @ self.members / action.shape[1]
+        return torch.from_numpy(parts.astype(np.float32)) - self.config.effort * effort
 
     def _advantages(
         self,
@@ -207,13 +213,14 @@ class PPO:
         reward: torch.Tensor,
         ended: torch.Tensor,
     ) -> torch.Tensor:
-        """Generalised advantage estimates (T, N); an end is a cut, its value goes on."""
-        config, running = self.config, torch.zeros(value.shape[1])
+        """Generalised advantage estimates (T, N, R); an end is a cut, its value goes on."""
+        config, running = self.config, torch.zeros(value.shape[1:])
         # In units in which a reward of 1 for ever is worth 1.
         surprise = (1 - config.discount) * reward + config.discount * following - value
         out = torch.empty_like(value)
         for tick in range(len(value) - 1, -1, -1):
-            running = surprise[tick] + config.discount * config.trace * ~ended[tick] * running
+            goes_on = ~ended[tick][:, None]
+            running = surprise[tick] + config.discount * config.trace * goes_on * running
             out[tick] = running
         return out
 
@@ -232,12 +239,12 @@ class PPO:
 
     def _loss(self, part: dict[str, torch.Tensor]) -> torch.Tensor:
         config, advantage = self.config, part["advantage"]
-        advantage = (advantage - advantage.mean()) / (advantage.std() + 1e-8)
+        advantage = (advantage - advantage.mean(0)) / (advantage.std(0) + 1e-8)
         noise = Normal(self.actor(part["seen"]), self.log_deviation.exp())
-        ratio = (noise.log_prob(part["action"]).sum(1) - part["log_prob"]).exp()
+        ratio = (noise.log_prob(part["action"]) @ self.members - part["log_prob"]).exp()
         clipped = ratio.clamp(1 - config.clip, 1 + config.clip)
-        gain = torch.minimum(ratio * advantage, clipped * advantage).mean()
-        error = (self.critic(part["seen"])[:, 0] - part["return"]).square().mean()
+        gain = torch.minimum(ratio * advantage, clipped * advantage).sum(1).mean()
+        error = (self.critic(part["seen"]) - part["return"]).square().sum(1).mean()
         if self.steps < config.warm_up * config.ticks * self.batch.n_envs:
             return error
         return error - gain - config.entropy * noise.entropy().sum(1).mean()

@@ -85,9 +85,22 @@ def finger_reward(
     Returns:
         (N,) in [0, 1], 1 where no finger is active.
     """
+    near = nearness(tip_m, key_m, key_length_m, kind, margin_m=margin_m)
+    return _mean(near, active)
+
+
+def nearness(
+    tip_m: np.ndarray,
+    key_m: np.ndarray,
+    key_length_m: np.ndarray,
+    kind: Kind = "reciprocal",
+    *,
+    margin_m: float = REACH_M,
+) -> np.ndarray:
+    """Equation 1 of each finger, (N, 4) in [0, 1]; arguments as of `finger_reward`."""
     close = np.full_like(key_length_m, CLOSE_M)
     bound = np.stack([0.5 * key_length_m, close, close], axis=-1)
-    return _mean(mapping(np.abs(tip_m - key_m), bound, margin_m, kind).mean(axis=-1), active)
+    return mapping(np.abs(tip_m - key_m), bound, margin_m, kind).mean(axis=-1)
 
 
 def euclidean_finger_reward(
@@ -171,7 +184,7 @@ def playing_reward(
     asked: np.ndarray,
     onset: np.ndarray,
 ) -> np.ndarray:
-    """Share of the strings that do what the tablature asks, as a listener and a player count.
+    """What each string adds to the share of those that do what the tablature asks.
 
     A string that is asked counts `ASKED`, and three times that around its onset: 1 if it would
     sound the right fret and, where that is stopped, is held with `FIRM_N`; 0.3 of it is for the
@@ -186,7 +199,7 @@ def playing_reward(
         onset: (N, 6) bool, strings that are being plucked.
 
     Returns:
-        (N,) in [0, 1].
+        (N, 6) from 0; their sum is in [0, 1].
     """
     stopped = (asked & (wanted_fret > 0))[..., None]
     frets = np.arange(1, force_n.shape[-1] + 1)
@@ -196,7 +209,7 @@ def playing_reward(
     free = (force_n < PRESS_THRESHOLD_N).all(axis=-1)
     value = np.where(asked, 0.7 * right + 0.3 * strength, free)
     weight = np.where(asked, ASKED * np.where(onset, 3.0, 1.0), 1.0)
-    return (weight * value).sum(axis=-1) / weight.sum(axis=-1)
+    return weight * value / weight.sum(axis=-1, keepdims=True)
 
 
 def calm_reward(action_change: np.ndarray) -> np.ndarray:

@@ -124,9 +124,19 @@ class Task(Protocol):
 
     blocks: tuple[Block, ...]
     n_actions: int
+    groups: np.ndarray
+    """(A,) group from 0 to G - 1 of each number of the action: those that move one finger."""
+    credit: np.ndarray
+    """(G, R) how much each part of the reward is owed to each group."""
 
-    def ctrl(self, action: np.ndarray, last_action: np.ndarray, at: Place) -> np.ndarray:
+    def ctrl(
+        self, action: np.ndarray, last_action: np.ndarray, hands: Hands, at: Place
+    ) -> np.ndarray:
         """Servo targets (N, nu), or (N, k, nu) in k parts of the tick, of actions (N, A)."""
+        ...
+
+    def taken(self, action: np.ndarray, last_action: np.ndarray) -> np.ndarray:
+        """The actions (N, A) that the hands take, of those asked for and those taken before."""
         ...
 
     def observe(
@@ -136,7 +146,13 @@ class Task(Protocol):
         ...
 
     def reward(self, hands: Hands, at: Place, change: np.ndarray) -> tuple[np.ndarray, Terms]:
-        """Rewards (N,) and their terms; `change` (N, A) is that of the action."""
+        """Rewards in parts (N, R), whose sum counts, and their terms.
+
+        Args:
+            hands: The hands at the end of a tick.
+            at: Where they were at its beginning.
+            change: (N, A) of the action.
+        """
         ...
 
     def start(self, at: Place) -> np.ndarray:
