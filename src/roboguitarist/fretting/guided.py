@@ -32,8 +32,10 @@ FEEDBACK = 1.0
 """Share of what a servo misses that is added to its target, see `GuidedTask.ctrl`."""
 PROMPTNESS = 0.3
 """Share of its way that a correction goes in a tick: quicker ones make hand and policy tremble."""
+READY_S = 0.04
+"""A string is to be ready that long before its note begins, also if one before it still sounds."""
 ONSET_S = 0.05
-"""A string is to be ready that long before its note begins, and counts more for as long after."""
+"""It counts more from then on until that long after the note has begun."""
 MARGIN_M = 0.03
 """Distance from the key at which a tenth of the finger's reward is left."""
 AHEAD_TICKS = (3, 8)
@@ -215,7 +217,7 @@ class GuidedTask:
         bank = self.bank
         now = at[0], np.minimum(at[1] + 1, bank.fret.shape[1] - 1)
         capo = bank.capo[at[0]][:, None]
-        soon = ~bank.asked[now] & (bank.until_onset_s[now] < ONSET_S)
+        soon = bank.until_onset_s[now] < np.where(bank.asked[now], READY_S, ONSET_S)
         begun = bank.until_onset_s[at] < ONSET_S
         wanted = np.where(soon, bank.next_fret[now], bank.fret[now])
         sounding = hands.sounding_fret()
