@@ -13,6 +13,7 @@ from roboguitarist.errors import RoboGuitaristError
 
 if TYPE_CHECKING:
     from roboguitarist.cli import Train
+    from roboguitarist.fretting.learner import Learner
     from roboguitarist.tablature import Tablature
     from roboguitarist.training.folder import RunFolder
     from roboguitarist.training.settings import TrainConfig
@@ -28,10 +29,14 @@ def train(command: Train) -> None:
     cli_play.load_mujoco()
     os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")  # TensorBoard and JAX say nothing
     from roboguitarist.training.folder import RunFolder  # noqa: PLC0415
+    from roboguitarist.training.learners import make  # noqa: PLC0415
 
     folder = RunFolder(command.out or usual_place(command))
-    begin = _resumed if command.resume else _begun
-    config, tablatures = begin(command, folder)
+    config, tablatures = (_resumed if command.resume else _new)(command, folder)
+    learner = make(config, tablatures)
+    if not command.resume:
+        cli_play.check_folder(folder.path)
+        folder.begin(config.as_dict(), tablatures)
     print(
         f"{config.algorithm} practises {', '.join(tablatures)} with {config.n_envs} hands of the"
         f" kind {config.task.hand}, {config.learner.steps:,} ticks in all.\n"
@@ -39,7 +44,7 @@ def train(command: Train) -> None:
         f"Curves: tensorboard --logdir {shlex.quote(str(folder.path))}",
         flush=True,
     )
-    done = _run(folder, config, tablatures)
+    done = _run(folder, learner, config, tablatures)
     _report(folder, command, done)
     if not done:
         raise KeyboardInterrupt
@@ -78,15 +83,16 @@ def settings(command: Train, base: TrainConfig) -> TrainConfig:
     )
 
 
-def _begun(command: Train, folder: RunFolder) -> tuple[TrainConfig, dict[str, Tablature]]:
+def _new(command: Train, folder: RunFolder) -> tuple[TrainConfig, dict[str, Tablature]]:
     from roboguitarist.training.settings import defaults  # noqa: PLC0415
 
     config = settings(command, defaults(command.algorithm or "batch-ppo"))
     if not command.scores:
         raise RoboGuitaristError("no score (name a file or a piece, such as twinkle)")
+    if config.learner.steps < 1:
+        raise RoboGuitaristError(f"--steps {config.learner.steps} (at least 1)")
+    folder.check_free()
     tablatures = dict(cli_play.read(score, command.track) for score in command.scores)
-    cli_play.check_folder(folder.path)
-    folder.begin(config.as_dict(), tablatures)
     return config, tablatures
 
 
@@ -113,10 +119,11 @@ def _resumed(command: Train, folder: RunFolder) -> tuple[TrainConfig, dict[str, 
     return config, tablatures
 
 
-def _run(folder: RunFolder, config: TrainConfig, tablatures: dict[str, Tablature]) -> bool:
+def _run(
+    folder: RunFolder, learner: Learner, config: TrainConfig, tablatures: dict[str, Tablature]
+) -> bool:
     from roboguitarist.performance import PerformConfig  # noqa: PLC0415
     from roboguitarist.training.evaluation import evaluator  # noqa: PLC0415
-    from roboguitarist.training.learners import make  # noqa: PLC0415
     from roboguitarist.training.loop import Rhythm, train  # noqa: PLC0415
     from roboguitarist.training.settings import EVALUATIONS  # noqa: PLC0415
 
@@ -124,7 +131,7 @@ def _run(folder: RunFolder, config: TrainConfig, tablatures: dict[str, Tablature
     steps = config.learner.steps
     return train(
         folder,
-        make(config, tablatures),
+        learner,
         Rhythm(steps, max(steps // EVALUATIONS, 1)),
         evaluator(tablatures, stage, config.metric),
     )

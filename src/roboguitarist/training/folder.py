@@ -34,10 +34,16 @@ class RunFolder:
         self.checkpoint = self.path / "checkpoint.pt"
         self.best, self.last = self.path / "best.npz", self.path / "last.npz"
 
-    @property
-    def begun(self) -> bool:
-        """A run was begun here."""
-        return self.settings.exists()
+    def check_free(self) -> None:
+        """Make sure that no run was begun here.
+
+        Raises:
+            RoboGuitaristError: If one was.
+        """
+        if self.settings.exists():
+            raise RoboGuitaristError(
+                f"{self.path} holds a run (--resume goes on with it, --out begins elsewhere)"
+            )
 
     def begin(self, settings: Mapping[str, Any], tablatures: Mapping[str, Tablature]) -> None:
         """Write down how the run is begun.
@@ -45,10 +51,7 @@ class RunFolder:
         Raises:
             RoboGuitaristError: If one was begun here already, or the folder cannot be written.
         """
-        if self.begun:
-            raise RoboGuitaristError(
-                f"{self.path} holds a run (--resume goes on with it, --out begins elsewhere)"
-            )
+        self.check_free()
         pieces = {name: json.loads(tab.to_json()) for name, tab in tablatures.items()}
         _write(self.path / "tablatures.json", json.dumps(pieces))
         _write(self.settings, json.dumps(settings, indent=1))
