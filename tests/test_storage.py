@@ -188,3 +188,12 @@ def test_what_is_missing_is_named(tmp_path):
     np.savez(tmp_path / "a.npz", path=np.arange(3))
     with pytest.raises(RoboGuitaristError, match="tablature"):
         load(tmp_path / "a.npz")
+
+
+def test_a_file_from_before_a_field_was_there_is_read(tmp_path):
+    path = tmp_path / "item.npz"
+    with zipfile.ZipFile(path, "w") as file:
+        for name in ("tablature", "path", "hand"):
+            file.writestr(f"{name}.npy", FIELDS[name])
+    item = load(path)
+    assert (item.hand, item.rate_hz, item.names) == ("tendon", 30.0, ())

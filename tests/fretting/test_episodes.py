@@ -156,3 +156,27 @@ def test_the_action_before_is_seen_as_it_was_cut():
 def test_nothing_to_fret_is_refused():
     with pytest.raises(RoboGuitaristError, match="no tablature"):
         FrettingBatch([])
+
+
+def test_restored_environments_go_on_as_the_others_do():
+    first, second = (batch([SHORT, LONG], random_start=True, max_ticks=9) for _ in range(2))
+    random_episodes(first, 20)
+    second.restore(first.state())
+    assert np.array_equal(first.observe(), second.observe())
+    assert np.array_equal(random_episodes(first, 20), random_episodes(second, 20))
+
+
+def test_the_resting_action_keeps_the_hand_about_where_it_begins():
+    made = batch([LONG], 1, hand="tendon")
+    made.reset()
+    begin = made.hands.qpos.copy()
+    for _ in range(20):
+        made.step(made.task.resting_action()[None])
+    model = made.hands.model  # the paper holds the thumb elsewhere, and the forearm lower
+    names = [model.joint(index).name for index in range(model.njnt)]
+    fingers = [i for i, name in enumerate(names) if "forearm" not in name and "TH" not in name]
+    moved = np.abs(made.hands.qpos - begin)[0]
+    assert moved[:2].max() < 0.01
+    assert moved[fingers].max() < 0.35
+    rest = batch([SHORT], 1, task="guided", substeps=16, lead_s=1.0).task.resting_action()
+    assert not rest.any()

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -5,7 +7,7 @@ from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.fingering import assign
 from roboguitarist.fretting.episodes import FrettingBatch
 from roboguitarist.fretting.pilot import Pilot
-from roboguitarist.fretting.policy import Policy
+from roboguitarist.fretting.policy import Policy, settings_of
 from roboguitarist.fretting.task import TaskConfig
 from roboguitarist.performance import PerformConfig, perform
 from roboguitarist.scene import SceneConfig, build
@@ -58,3 +60,28 @@ def test_a_policy_for_another_hand_is_refused(batch):
     fingering, scene = assign(TUNE), SceneConfig(visuals=False)
     with pytest.raises(RoboGuitaristError, match="'tendon'"):
         Pilot(policy, fingering, scene, build(scene))
+
+
+# Where the policy begins later than the stage, the hand has settled a little by then.
+@pytest.mark.parametrize(("lead_s", "settled"), [(0.5, 0.15), (1.0, 5e-3)])
+def test_on_stage_a_policy_of_the_papers_task_moves_the_hand_as_in_training(lead_s, settled):
+    config = TaskConfig(hand="tendon", substeps=16, lead_s=lead_s, n_step_lookahead=3)
+    batch = FrettingBatch([TUNE], config)
+    policy = replace(
+        some_policy(batch.observation_size, batch.n_actions, 1.0, "tendon"),
+        task="paper", squashed=True, activation="relu", settings=settings_of(config),
+    )  # fmt: skip
+    performance = perform(assign(TUNE), PerformConfig("tendon", controller="policy", policy=policy))
+    seen = batch.reset()
+    first = round((1.0 - lead_s) * performance.control_hz)
+    for tick in range(12):
+        seen, *_ = batch.step(policy.act(seen))
+        there = performance.qpos[first + tick, : performance.left_nq]
+        assert batch.hands.qpos[0] == pytest.approx(there, abs=settled)
+
+
+def test_a_policy_that_fits_no_plan_is_refused():
+    policy = replace(some_policy(4, 20, 1.0), task="paper", control_hz=27.0)
+    scene = SceneConfig(visuals=False)
+    with pytest.raises(RoboGuitaristError, match="27 Hz"):
+        Pilot(policy, assign(TUNE), scene, build(scene))

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from roboguitarist.errors import RoboGuitaristError
-from roboguitarist.fretting.policy import Policy
+from roboguitarist.fretting.policy import Policy, settings_of
+from roboguitarist.fretting.task import TaskConfig
 
 
 def random_policy(seen: int = 7, hidden: int = 5, acted: int = 3, seed: int = 0) -> Policy:
@@ -61,3 +62,28 @@ def test_another_file_is_refused(tmp_path):
     (tmp_path / "x.npz").write_bytes(b"no policy")
     with pytest.raises(RoboGuitaristError, match="not a saved Policy"):
         Policy.load(tmp_path / "x.npz")
+
+
+def test_units_and_squashing_by_hand():
+    one = np.ones((1, 1), np.float32)
+    zero = np.zeros(1, np.float32)
+    policy = Policy(zero, one[0], one, zero, one, zero, one, zero, "paper", "tendon", 30.0)
+    seen = np.array([[0.5], [-0.5]])
+    relu = replace(policy, activation="relu", squashed=True)
+    assert relu.act(seen) == pytest.approx(np.tanh([[0.5], [0.0]]))
+    tanh = np.tanh(np.tanh(0.5))
+    assert replace(policy, activation="tanh").act(seen) == pytest.approx(
+        np.array([[tanh], [-tanh]])
+    )
+    with pytest.raises(RoboGuitaristError, match="elu, relu, tanh"):
+        replace(policy, activation="gelu")
+
+
+def test_a_policy_knows_its_task():
+    config = TaskConfig(hand="tendon", n_step_lookahead=7, freedom=True)
+    policy = replace(random_policy(), task="paper", hand="tendon", settings=settings_of(config))
+    assert policy.task_config() == config
+    assert random_policy().task_config() == TaskConfig("guided", "linkage")
+    for settings in ('{"nonsense": 1}', "[1", "[]"):
+        with pytest.raises(RoboGuitaristError, match="settings"):
+            replace(policy, settings=settings).task_config()

@@ -1,3 +1,5 @@
+import copy
+
 import numpy as np
 import pytest
 
@@ -42,6 +44,15 @@ def test_a_restored_learner_has_the_same_weights_and_goes_on():
     other.restore(ppo.state())
     assert np.array_equal(ppo.policy().weight_1, other.policy().weight_1)
     assert [p.steps for p in other.learn()] == [256, 384]
+
+
+def test_a_restored_learner_goes_on_as_the_unbroken_one():
+    unbroken, restored = learner(), learner()
+    learning = unbroken.learn()
+    next(learning)
+    restored.restore(copy.deepcopy(unbroken.state()))
+    assert [p.reward for p in restored.learn()] == [p.reward for p in learning]
+    assert np.array_equal(restored.policy().weight_1, unbroken.policy().weight_1)
 
 
 def test_advantages_by_hand():

@@ -17,7 +17,7 @@ from roboguitarist.fretting.posture import left_alone
 from roboguitarist.fretting.task import TaskConfig
 from roboguitarist.plan import LEAD_IN_S, PLAN_HZ, HandPlan, plan_times
 from roboguitarist.scene import LEFT_TIPS, SceneConfig
-from roboguitarist.sensing import Stops, columns, left_power, stops
+from roboguitarist.sensing import Stops, columns, power_columns, stops
 
 
 @dataclass(frozen=True)
@@ -88,6 +88,7 @@ class Pilot:
         self.plan, self._policy = plan, policy
         self._model, self._guitar, self._n_left = model, scene.guitar, left.nq
         self._tips = np.array([columns(model, tip) for tip in LEFT_TIPS])
+        self._power = power_columns(model)
         self._last = self._change = np.zeros((1, self._task.n_actions))
         self.parts = round(PLAN_HZ / policy.control_hz)
         self.first = round((LEAD_IN_S - config.lead_s) * PLAN_HZ)
@@ -109,12 +110,13 @@ class Pilot:
             sensordata: (S, nsensordata) over the physics steps of the tick before, the last
                 one's being those of that moment.
         """
+        force, velocity = (sensordata[:, found_at] for found_at in self._power)
         reading = Reading(
             qpos[None, : self._n_left],
             qvel[None, : self._n_left],
             sensordata[-1, self._tips][None],
             stops(self._model, sensordata[-1:], self._guitar),
-            left_power(self._model, sensordata).mean(keepdims=True),
+            np.abs(force * velocity).sum(axis=1).mean(keepdims=True),
         )
         reward = np.zeros(1)
         if tick:
