@@ -1,4 +1,5 @@
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 from roboguitarist import __version__
@@ -13,6 +14,8 @@ project = "RoboGuitarist"
 author = copyright = "The RoboGuitarist developers"
 version = release = __version__
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+# The extra `train` is large, and its docstrings can be read without it.
+autodoc_mock_imports = [name for name in ("torch",) if find_spec(name) is None]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 exclude_patterns = ["_build", "_generated"]
