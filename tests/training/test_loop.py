@@ -12,7 +12,7 @@ from roboguitarist.fretting.learner import Progress
 from roboguitarist.fretting.policy import Policy
 from roboguitarist.tablature import Note, Tablature
 from roboguitarist.training.folder import RunFolder
-from roboguitarist.training.loop import Evaluation, Rhythm, train
+from roboguitarist.training.loop import Evaluation, Pace, Rhythm, train
 
 TUNE = Tablature((Note(0.0, 3, 2, 0.4),))
 
@@ -112,11 +112,35 @@ def test_a_full_disk_stops_the_run_with_a_message(tmp_path, monkeypatch):
     folder = begun(tmp_path)
 
     def full(*args):
-        raise RoboGuitaristError("cannot write x: No space left on device")
+        cause = OSError(28, "No space left on device")
+        raise RoboGuitaristError("cannot write x: No space left on device") from cause
 
     monkeypatch.setattr("roboguitarist.training.checkpoint.save", full)
     with pytest.raises(RoboGuitaristError, match=r"No space left.*--resume"):
         run(folder, Counter(100))
+
+
+def test_a_board_that_cannot_be_written_stops_the_run_with_a_message(tmp_path, monkeypatch):
+    def full(*args):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("roboguitarist.training.loop.SummaryWriter.add_scalar", full)
+    with pytest.raises(RoboGuitaristError, match=r"No space left.*--resume"):
+        run(begun(tmp_path), Counter(100))
+
+
+def test_the_time_left_is_said_at_first_and_when_it_changes_much(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("roboguitarist.training.loop.time.monotonic", lambda: now[0])
+    pace, news = Pace(100_000), []
+    for _ in range(40):
+        now[0] += 10
+        per_s = 100.0 if now[0] < 200 else 10.0  # as if learning began only then
+        if pace.news(Progress(int(100 * min(now[0], 200)), per_s, 0.0)):
+            news.append((now[0], round(pace.left_s)))
+    assert news[0] == (20.0, 980)
+    assert 2 <= len(news) <= 4
+    assert news[-1][1] > 3000
 
 
 def test_only_one_process_trains_in_a_folder(tmp_path):

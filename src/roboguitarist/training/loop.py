@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from types import FrameType
 from typing import Any
@@ -53,6 +54,35 @@ class Stop:
     asked = False
 
 
+class Pace:
+    """How long the rest takes at the pace of late, and whether that is news.
+
+    Args:
+        total: Ticks of the whole run.
+    """
+
+    FIRST_S = 15.0
+    """Before that the pace says little."""
+
+    def __init__(self, total: int) -> None:
+        self.total, self.begun = total, time.monotonic()
+        self.left_s, self.end_s = math.inf, 0.0
+        self._per_s = 0.0
+
+    def news(self, progress: Progress) -> bool:
+        """Whether the rest takes much longer or shorter than was said last, or nothing was."""
+        share = 0.1 if self._per_s else 1.0
+        self._per_s += share * (progress.per_s - self._per_s)
+        self.left_s = max(self.total - progress.steps, 0) / max(self._per_s, 1e-9)
+        now = time.monotonic()
+        expected_s = self.end_s - now
+        known = expected_s / 2 - 60 < self.left_s < expected_s * 2 + 60
+        if now - self.begun < self.FIRST_S or (self.end_s and known):
+            return False
+        self.end_s = now + self.left_s
+        return True
+
+
 def train(
     folder: RunFolder,
     learner: Learner,
@@ -77,17 +107,30 @@ def train(
     Raises:
         RoboGuitaristError: If the folder cannot be written; the last checkpoint stays.
     """
-    with ExitStack() as stack:
-        stack.enter_context(folder.lock())
-        folder.sweep()
-        run = _Run(folder, learner, rhythm, evaluate, say)
-        stop = stack.enter_context(stopping())
-        run.board = stack.enter_context(_board(folder, learner.steps))
-        run.bar = stack.enter_context(
-            tqdm(total=rhythm.steps, initial=learner.steps, unit="tick", unit_scale=True,
-                 disable=None, leave=False, dynamic_ncols=True)
-        )  # fmt: skip
-        return run.go(stop)
+    try:
+        with ExitStack() as stack:
+            stack.enter_context(folder.lock())
+            folder.sweep()
+            run = _Run(folder, learner, rhythm, evaluate, say)
+            stop = stack.enter_context(stopping())
+            run.board = stack.enter_context(_board(folder, learner.steps))
+            run.bar = stack.enter_context(
+                tqdm(total=rhythm.steps, initial=learner.steps, unit="tick", unit_scale=True,
+                     disable=None, leave=False, dynamic_ncols=True)
+            )  # fmt: skip
+            return run.go(stop)
+    except OSError as error:  # TensorBoard's file, too, needs room
+        raise _unwritten(f"cannot write to {folder.path}: {error.strerror or error}") from error
+    except RoboGuitaristError as error:
+        if isinstance(error.__cause__, OSError):
+            raise _unwritten(str(error)) from error
+        raise
+
+
+def _unwritten(what: str) -> RoboGuitaristError:
+    return RoboGuitaristError(
+        f"{what}; the run stopped, its last checkpoint is whole: make room, then --resume"
+    )
 
 
 class _Run:
@@ -110,7 +153,7 @@ class _Run:
         if state is not None:
             learner.restore(state["learner"])
             self.before_s = float(state["elapsed_s"])
-        self.first, self.begun, self.saved = learner.steps, time.monotonic(), time.monotonic()
+        self.begun, self.saved, self.pace = time.monotonic(), time.monotonic(), Pace(rhythm.steps)
         # What was found after the checkpoint will be found again.
         self.rows = [row for row in folder.rows() if row["steps"] <= learner.steps]
         folder.write_rows(self.rows)
@@ -126,6 +169,8 @@ class _Run:
             self.bar.update(progress.steps - self.bar.n)
             self.bar.set_postfix(reward=f"{progress.reward:.3f}", refresh=False)
             self._tell(progress)
+            if self.pace.news(progress):
+                self.say(f"At this pace it takes another {minutes(self.pace.left_s)}.")
             if self._due():
                 self._look(progress)
             if stop.asked:
@@ -167,22 +212,14 @@ class _Run:
         self.say(self._line(progress, found.score, max(best, found.score)))
 
     def _line(self, progress: Progress, score: float, best: float) -> str:
-        learned = max(progress.steps - self.first, 1)
-        spent_s = time.monotonic() - self.begun
-        left_s = spent_s / learned * max(self.rhythm.steps - progress.steps, 0)
         return (
             f"{progress.steps:>10,} ticks, {minutes(self.elapsed_s)}: score {score:.3f}"
-            f" (best {best:.3f}), reward {progress.reward:.3f}, {minutes(left_s)} to go"
+            f" (best {best:.3f}), reward {progress.reward:.3f}, {minutes(self.pace.left_s)} to go"
         )
 
     def _save(self) -> None:
         state = {"learner": self.learner.state(), "elapsed_s": self.elapsed_s}
-        try:
-            self.folder.save(state, self.learner.policy())
-        except RoboGuitaristError as error:
-            raise RoboGuitaristError(
-                f"{error}; the run stopped, its last checkpoint is whole: make room, then --resume"
-            ) from error
+        self.folder.save(state, self.learner.policy())
         self.saved = time.monotonic()
 
 
@@ -212,7 +249,8 @@ def _board(folder: RunFolder, steps: int) -> Iterator[SummaryWriter]:
     try:
         yield writer
     finally:
-        writer.close()
+        with suppress(OSError):  # that the disk is full was said already
+            writer.close()
 
 
 def minutes(time_s: float) -> str:
