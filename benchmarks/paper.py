@@ -6,7 +6,8 @@ Usage: python benchmarks/paper.py 9 [10 ...] [--steps N] [--seeds 2] [--algorith
 Every run is kept in DIR (runs/paper) and shared by the figures that need it. The command can be
 stopped at any time and given again: what is done is not done again, what was begun goes on. Writes
 results/paper-fig09.json and .png and so on, and prints a table of each. Run it on a machine that
-does nothing else: a run of 6 million ticks takes about an hour on one core.
+does nothing else: the default 5 million ticks of a run take an hour or two
+on one core.
 """
 
 from __future__ import annotations
@@ -176,7 +177,12 @@ def report(command: Command, figure: Figure) -> None:
     document["reference"] = {piece: reference(piece) for piece in played}
     words = " ".join(sys.argv[1:])
     path = command.results / f"{name}.json"
-    facts = {"processor": processor(), "settings": defaults(command.algorithm).as_dict()}
+    facts = {
+        "versions": record.versions("torch"),
+        "processor": processor(),
+        "cores": os.cpu_count(),
+        "settings": defaults(command.algorithm).as_dict(),
+    }
     text = json.dumps({"command": f"python benchmarks/paper.py {words}", **facts, **document},
                       indent=1)  # fmt: skip
     path.write_text(text + "\n", encoding="utf-8")

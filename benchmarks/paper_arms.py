@@ -14,6 +14,8 @@ POLYPHONIC = ("happy-birthday", "farewell", "red-river-valley")
 EIGHT = pieces.names()[:8]
 FREE = (*POLYPHONIC, "chord-transition")
 """Pieces trained with freedom: the paper says so of the first three, and nothing of the last."""
+_WITH_RATE = ("substeps", "max_ticks")
+"""What follows from the frame rate."""
 
 
 @dataclass(frozen=True)
@@ -34,11 +36,16 @@ class Arm:
     learner: Mapping[str, Any] = field(default_factory=dict)
     paper: Mapping[str, float] = field(default_factory=dict)
 
-    def name(self, algorithm: str, steps: int, seed: int) -> str:
-        """Folder of its run; arms that are the same in two figures share it."""
-        changes = {**self.task, **self.learner}
-        said = [f"{key}-{value}" for key, value in sorted(changes.items())]
-        return "_".join([self.piece, algorithm, f"{steps}", *said, f"seed-{seed}"])
+    def name(self, algorithm: Algorithm, steps: int, seed: int) -> str:
+        """Folder of its run: what differs from the usual; figures with the same arm share it."""
+        config, usual = self.config(algorithm, steps, seed), defaults(algorithm)
+        said = [
+            f"{key}-{value}"
+            for ours, theirs in ((config.task, usual.task), (config.learner, usual.learner))
+            for key, value in vars(ours).items()
+            if value != getattr(theirs, key) and key not in ("seed", "steps", *_WITH_RATE)
+        ]
+        return "_".join([self.piece, algorithm, *said, f"{steps}-ticks", f"seed-{seed}"])
 
     def config(self, algorithm: Algorithm, steps: int | None, seed: int) -> TrainConfig:
         """Settings of its run."""

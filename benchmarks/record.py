@@ -14,6 +14,12 @@ FOLDER = Path(__file__).parent / "results"
 PACKAGES = ("roboguitarist", "mujoco", "mink", "numpy", "scipy")
 
 
+def versions(*more: str) -> dict[str, str]:
+    """Versions of Python and of the packages that results depend on, and of others by name."""
+    found = {package: version(package) for package in (*PACKAGES, *more)}
+    return {"python": ".".join(map(str, sys.version_info[:3])), **found}
+
+
 def write(name: str, results: Any, **facts: Any) -> Path:
     """Write `results` to a file of that name and return its path.
 
@@ -25,10 +31,7 @@ def write(name: str, results: Any, **facts: Any) -> Path:
     path = FOLDER / f"{name}.json"
     document = {
         "command": f"python benchmarks/{name}.py",
-        "versions": {
-            "python": ".".join(map(str, sys.version_info[:3])),
-            **{package: version(package) for package in PACKAGES},
-        },
+        "versions": versions(),
         **facts,
         "results": results,
     }

@@ -1,4 +1,6 @@
 import json
+import subprocess
+import sys
 
 import pytest
 
@@ -62,3 +64,21 @@ def test_what_cannot_be_trained_is_refused(tune, tmp_path, capsys):
     assert not (tmp_path / "runs" / "tune-batch-ppo" / "config.json").exists()
     assert main(["play", tune, "--policy", tune]) == 2
     assert "not a saved Policy" in complaint(capsys)
+
+
+@pytest.mark.parametrize("missing", ["torch", "tensorboard", "sbx"])
+def test_what_is_not_installed_is_said_with_the_remedy(tune, missing):
+    code = (
+        "import sys\n"
+        "class Without:\n"
+        "    def find_spec(self, name, path=None, target=None):\n"
+        f"        if name.partition('.')[0] == {missing!r}:\n"
+        "            raise ModuleNotFoundError(name)\n"
+        "sys.meta_path.insert(0, Without())\n"
+        "from roboguitarist.cli import main\n"
+        f"sys.exit(main(['train', {tune!r}, '--algorithm', 'droq']))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "roboguitarist[train]" in done.stderr

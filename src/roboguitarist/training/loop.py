@@ -11,13 +11,19 @@ from dataclasses import dataclass, field
 from types import FrameType
 from typing import Any
 
-from torch.utils.tensorboard import SummaryWriter
 from tqdm import tqdm
 
 from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.fretting.learner import Learner, Progress
 from roboguitarist.fretting.policy import Policy
 from roboguitarist.training.folder import RunFolder
+
+try:
+    from torch.utils.tensorboard import SummaryWriter
+except ModuleNotFoundError as error:
+    raise RoboGuitaristError(
+        "TensorBoard is not installed (pip install 'roboguitarist[train]')"
+    ) from error
 
 
 @dataclass(frozen=True)

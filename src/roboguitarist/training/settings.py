@@ -53,7 +53,7 @@ class SbxConfig:
 
 
 PAPER_PPO = PPOConfig(
-    steps=6_000_000, discount=0.84, entropy=0.0, effort=0.0, warm_up=3, deviation=0.25, seed=42
+    steps=5_000_000, discount=0.84, entropy=0.0, effort=0.0, warm_up=3, deviation=0.25, seed=42
 )
 """`batch-ppo` on the paper's task: its discount, and no reward but its own."""
 PAPER_TASK = TaskConfig(
