@@ -38,6 +38,8 @@ def notes(draw: st.DrawFn, *, onset_s: float | None = None, max_fret: int = 12) 
         techniques=tuple(sorted(draw(st.sets(st.sampled_from(Technique), max_size=2)))),
         left_finger=draw(st.none() | st.integers(0, 4)),
         right_finger=draw(st.none() | st.sampled_from("pima")),
+        bend=draw(st.sampled_from([(), ((0.0, 0.0), (0.5, 2.0)), ((0.0, 1.0), (1.0, 0.0))])),
+        velocity=draw(st.none() | st.integers(1, 127)),
     )
 
 

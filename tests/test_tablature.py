@@ -86,6 +86,10 @@ def test_notes_out_of_order_are_refused(tablature):
         ({"beat": float("nan")}, "beat that is not a number"),
         ({"left_finger": 5}, "left finger 5"),
         ({"right_finger": "q"}, "right finger q"),
+        ({"bend": ((0.0, 1.0), (1.5, 2.0))}, "a bend out of range"),
+        ({"bend": ((0.5, 1.0), (0.2, 2.0))}, "a bend out of range"),
+        ({"bend": ((0.0, -1.0),)}, "a bend out of range"),
+        ({"velocity": 128}, "velocity 128"),
     ],
 )
 def test_a_note_that_no_guitar_has_is_refused(change, message):

@@ -24,11 +24,16 @@ class Technique(StrEnum):
     HAMMER_ON = "hammer-on"
     PULL_OFF = "pull-off"
     SLIDE = "slide"
+    """From the note before on this string to this one."""
+    SLIDE_IN = "slide-in"
+    SLIDE_OUT = "slide-out"
     BEND = "bend"
     VIBRATO = "vibrato"
     PALM_MUTE = "palm-mute"
     DEAD = "dead"
     HARMONIC = "harmonic"
+    """A natural one."""
+    ARTIFICIAL_HARMONIC = "artificial-harmonic"
     LET_RING = "let-ring"
     STACCATO = "staccato"
     TREMOLO = "tremolo"
@@ -36,6 +41,7 @@ class Technique(StrEnum):
     GRACE = "grace"
     STRUM_DOWN = "strum-down"
     STRUM_UP = "strum-up"
+    RASGUEADO = "rasgueado"
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,6 +59,8 @@ class Note:
         techniques: In alphabetical order, without repeats.
         left_finger: Finger 0 to 4 as marked in the file, if any.
         right_finger: One of p, i, m, a, c as marked in the file, if any.
+        bend: Curve of a bend: share of the duration from 0 to 1, and semitones above the fret.
+        velocity: How loud, 1 to 127 as in MIDI, if the file says so.
     """
 
     onset_s: float
@@ -65,6 +73,8 @@ class Note:
     techniques: tuple[Technique, ...] = ()
     left_finger: int | None = None
     right_finger: str | None = None
+    bend: tuple[tuple[float, float], ...] = ()
+    velocity: int | None = None
 
     @property
     def end_s(self) -> float:
@@ -210,13 +220,18 @@ def _checked(declared: str, value: Any) -> Any:
 
 def _note(item: Any) -> Note:
     values = _values(Note, item)
-    techniques = tuple(Technique(name) for name in values.get("techniques", ()))
-    return Note(**{**values, "techniques": techniques})
+    values["techniques"] = tuple(Technique(name) for name in values.get("techniques", ()))
+    values["bend"] = tuple(
+        (_checked("float", share), _checked("float", semitones))
+        for share, semitones in values.get("bend", ())
+    )
+    return Note(**values)
 
 
 MAX_FRET = 24
 MAX_CAPO = 12
 MAX_DURATION_S = 4 * 3600.0
+MAX_BEND = 12
 
 
 def validate(tablature: Tablature, file: str | None = None) -> Tablature:
@@ -280,5 +295,23 @@ def _note_complaint(note: Note, capo: int) -> str:
             note.right_finger in (None, *"pimac"),
             f"right finger {note.right_finger} (p, i, m, a, c)",
         ),
+        (
+            _is_curve(note.bend),
+            f"a bend out of range (0 to {MAX_BEND} semitones, in order of time)",
+        ),
+        (
+            note.velocity is None or 1 <= note.velocity <= 127,
+            f"velocity {note.velocity} (1 to 127)",
+        ),
     )
     return next((reason for holds, reason in rules if not holds), "")
+
+
+def _is_curve(bend: tuple[tuple[float, float], ...]) -> bool:
+    """Whether shares of time increase from 0 to 1 and heights are in range."""
+    shares = [share for share, _ in bend]
+    return (
+        all(0 <= share <= 1 for share in shares)
+        and shares == sorted(shares)
+        and all(0 <= semitones <= MAX_BEND for _, semitones in bend)
+    )

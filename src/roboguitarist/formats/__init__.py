@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from roboguitarist import storage
 from roboguitarist.errors import TabError
-from roboguitarist.formats import musicxml, mxl
+from roboguitarist.formats import musicxml, musicxml_writer, mxl
 from roboguitarist.formats.parts import choose
 from roboguitarist.formats.unrolling import unroll
 from roboguitarist.tablature import Tablature
 
 MAX_FILE_BYTES = 50_000_000
 READ = "MusicXML (.musicxml, .xml), compressed MusicXML (.mxl) and JSON tablature (.json) are read"
+WRITTEN = "MusicXML (.musicxml, .xml) and JSON tablature (.json) are written"
 _BYTE_ORDER_MARKS = (b"\xff\xfe", b"\xfe\xff")
 _KNOWN = {
     b"\x89PNG": "a PNG picture",
@@ -43,6 +45,27 @@ def load(path: str | Path, track: int | str | None = None) -> Tablature:
         return _load(_read_bytes(path), path.suffix.lower(), track)
     except TabError as error:
         raise error.in_file(path.name) from error
+
+
+def save(path: str | Path, tablature: Tablature) -> None:
+    """Write a tablature; the suffix says how, and the file appears when it is complete.
+
+    MusicXML (`.musicxml`, `.xml`) keeps notes, strings, frets, times, tempi, techniques and the
+    fingers of both hands; repeats are written out. JSON (`.json`) keeps everything.
+
+    Raises:
+        TabError: If the suffix is not known or the file cannot be written.
+    """
+    path = Path(path)
+    match path.suffix.lower():
+        case ".musicxml" | ".xml":
+            data = musicxml_writer.write(tablature)
+        case ".json":
+            data = tablature.to_json().encode()
+        case suffix:
+            raise TabError(f"cannot write {suffix or 'a file without suffix'}", hint=WRITTEN)
+    with storage.replacing(path) as temporary:
+        temporary.write_bytes(data)
 
 
 def _read_bytes(path: Path) -> bytes:

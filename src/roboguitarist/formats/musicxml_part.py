@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from xml.etree.ElementTree import Element
 from roboguitarist.errors import TabError
 from roboguitarist.formats import musicxml_bars
 from roboguitarist.formats.musicxml_bars import RawBar
-from roboguitarist.formats.musicxml_marks import fingers, techniques
+from roboguitarist.formats.musicxml_marks import DYNAMICS, bend, fingers, techniques, velocity
 from roboguitarist.formats.musicxml_staves import StaffDetails, pitch
 from roboguitarist.formats.written import WrittenNote
 from roboguitarist.formats.xml_tree import integer, number
@@ -48,6 +49,7 @@ class PartReader:
         self._ending: frozenset[int] = frozenset()
         self._now = self._chord_start = self._here = Fraction(0)
         self._grace: list[_Waiting] = []
+        self._velocity: int | None = None
         self._complaints: Counter[str] = Counter()
 
     def warnings(self) -> tuple[str, ...]:
@@ -106,7 +108,7 @@ class PartReader:
 
     def _read_attributes(self, attributes: Element) -> None:
         divisions = number(attributes, "divisions")
-        if divisions is not None and not 0 < divisions <= 1_000_000:
+        if divisions is not None and not 0 < divisions <= 10_000_000:
             raise TabError(f"divisions of {float(divisions):g}", hint="above 0")
         self._divisions = divisions or self._divisions
         time = attributes.find("time")
@@ -126,7 +128,10 @@ class PartReader:
 
     def _read_direction(self, direction: Element, bar: RawBar) -> None:
         place = self._place(direction)
+        for mark in direction.iterfind("direction-type/dynamics/*"):
+            self._velocity = DYNAMICS.get(mark.tag, self._velocity)
         for sound in direction.iterfind("sound"):
+            self._velocity = velocity(sound.get("dynamics")) or self._velocity
             musicxml_bars.read_sound(sound, bar, place)
         for metronome in direction.iterfind("direction-type/metronome"):
             complaint = musicxml_bars.read_metronome(metronome, bar, place)
@@ -197,12 +202,14 @@ class PartReader:
             pitch=None if written is None else written + self.details.transposition(staff),
             string=integer(element, "notations/technical/string"),
             fret=0 if fret is None and open_string else fret,
-            voice=max(1, integer(element, "voice") or 1) if _numbered(element) else 1,
+            voice=_voice(element),
             staff=staff,
             tied=any(tie.get("type") == "stop" for tie in _ties(element)),
             techniques=techniques(element),
             left_finger=left,
             right_finger=right,
+            bend=bend(element),
+            velocity=velocity(element.get("dynamics")) or self._velocity,
         )
 
 
@@ -211,6 +218,7 @@ def _ties(element: Element) -> Iterator[Element]:
     yield from element.iterfind("notations/tied")
 
 
-def _numbered(element: Element) -> bool:
-    """Whether the voice is a number; any text is allowed."""
-    return (element.findtext("voice") or "").strip().isdecimal()
+def _voice(element: Element) -> int:
+    """Number of the voice; any text is allowed, one without a number is the first."""
+    found = re.match(r"\s*(\d{1,3})", element.findtext("voice") or "")
+    return max(1, int(found.group(1))) if found else 1

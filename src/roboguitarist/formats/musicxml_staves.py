@@ -143,4 +143,6 @@ def _with_marks(note: WrittenNote, twin: WrittenNote | None) -> WrittenNote:
         left_finger=twin.left_finger if note.left_finger is None else note.left_finger,
         right_finger=note.right_finger or twin.right_finger,
         tied=note.tied or twin.tied,
+        bend=note.bend or twin.bend,
+        velocity=note.velocity or twin.velocity,
     )

@@ -11,6 +11,7 @@ from roboguitarist.formats.written import WrittenBar
 
 DEFAULT_TEMPO = Fraction(120)
 """Quarter notes a minute where a score does not say."""
+_PICO = 10**12
 
 
 class TempoMap:
@@ -23,7 +24,8 @@ class TempoMap:
 
     def __init__(self, marks: Iterable[tuple[Fraction, Fraction]]) -> None:
         self.marks: list[tuple[Fraction, Fraction]] = []
-        for quarter, tempo in marks:
+        for quarter, exact in marks:
+            tempo = Fraction(repr(float(exact)))  # what a tablature holds and writers write
             if self.marks and self.marks[-1][0] == quarter:
                 self.marks.pop()
             if not self.marks or self.marks[-1][1] != tempo:
@@ -31,7 +33,9 @@ class TempoMap:
         self._quarters = [quarter for quarter, _ in self.marks]
         self._seconds = [Fraction(0)]
         for (start, tempo), (end, _) in pairwise(self.marks):
-            self._seconds.append(self._seconds[-1] + (end - start) * 60 / tempo)
+            now = self._seconds[-1] + (end - start) * 60 / tempo
+            # Exact sums of thousands of fractions would have thousands of digits.
+            self._seconds.append(Fraction(round(now * _PICO), _PICO))
 
     def __call__(self, quarter: Fraction) -> float:
         """Time in seconds, rounded to whole microseconds."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -104,17 +105,22 @@ def _play(
     if sum(len(by_bar.get(index, ())) for index in order) > MAX_PLAYED_NOTES:
         raise TabError(f"repeats make more than {MAX_PLAYED_NOTES} notes", part=part.name)
     played: list[_Played] = []
-    last: dict[tuple[int, int], int] = {}
+    ending: dict[tuple[int, int, Fraction], list[int]] = defaultdict(list)
     for index, bar_start in zip(order, starts, strict=True):
         for note in sorted(by_bar.get(index, ()), key=lambda note: note.offset):
             start = bar_start + note.offset
             pitch = _pitch(note, tuning, part.capo)
-            key = note.voice, pitch
-            if note.tied and key in last and played[last[key]].end == start:
-                played[last[key]] = replace(played[last[key]], end=start + note.length)
-                continue
-            last[key] = len(played)
-            played.append(_Played(start, start + note.length, pitch, note))
+            end = start + note.length
+            tied = ending[note.voice, pitch, start] if note.tied else []
+            if tied:
+                same = [k for k in tied if played[k].note.string == note.string]
+                k = (same or tied)[0]
+                tied.remove(k)
+                played[k] = replace(played[k], end=end)
+            else:
+                k = len(played)
+                played.append(_Played(start, end, pitch, note))
+            ending[note.voice, pitch, end].append(k)
     return sorted(played, key=lambda p: p.start)
 
 
@@ -150,6 +156,8 @@ def _join(a: _Played, b: _Played) -> _Played:
         techniques=tuple(sorted({*a.note.techniques, *b.note.techniques})),
         left_finger=b.note.left_finger if a.note.left_finger is None else a.note.left_finger,
         right_finger=a.note.right_finger or b.note.right_finger,
+        bend=a.note.bend or b.note.bend,
+        velocity=a.note.velocity or b.note.velocity,
     )
     return replace(a, end=max(a.end, b.end), note=note)
 
@@ -223,6 +231,8 @@ def _note(p: _Played, place: Place, seconds: TempoMap, bar: int) -> Note:
         techniques=p.note.techniques,
         left_finger=p.note.left_finger,
         right_finger=p.note.right_finger,
+        bend=p.note.bend,
+        velocity=p.note.velocity,
     )
 
 

@@ -22,6 +22,8 @@ class WrittenNote:
         tied: Continues the note of this pitch that ends where it begins.
         techniques: In alphabetical order, without repeats.
         left_finger, right_finger: As marked, if marked.
+        bend: Curve of a bend, as in `Note`.
+        velocity: MIDI velocity, if the file says how loud.
     """
 
     bar: int
@@ -36,6 +38,8 @@ class WrittenNote:
     techniques: tuple[Technique, ...] = ()
     left_finger: int | None = None
     right_finger: str | None = None
+    bend: tuple[tuple[float, float], ...] = ()
+    velocity: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
