@@ -24,12 +24,29 @@ PROG = "roboguitarist"
 Score = Annotated[str, tyro.conf.arg(metavar="SCORE"), tyro.conf.Positional]
 Hand = Annotated[Literal["linkage", "tendon"] | None, tyro.conf.arg(metavar="{linkage,tendon}")]
 Track = Annotated[str | None, tyro.conf.arg(metavar="N")]
+Tempo = Annotated[float | None, tyro.conf.arg(metavar="BPM")]
+Grid = Annotated[int | None, tyro.conf.arg(metavar="N")]
 UNUSABLE, INTERRUPTED, BROKEN_PIPE = 2, 130, 141
 """Exit statuses; the last two are what a shell reports for the signals."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Options:
+class Reading:
+    """How a score is read.
+
+    Attributes:
+        track: Part of the score, by number from 1 or by name; by default the first guitar.
+        tempo: Quarter notes a minute of an ASCII tab; by default as the tab says, else 120.
+        grid: A column of an ASCII tab is 1/N of a whole note; by default 16.
+    """
+
+    track: Track = None
+    tempo: Tempo = None
+    grid: Grid = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(Reading):
     """How a score is played.
 
     Attributes:
@@ -37,7 +54,6 @@ class Options:
         policy: Policy file that drives the left hand, as `train` writes it.
         hand: Hand variant: fingers with coupled joints, or tendons as on the published hand; by
             default the policy file's, or linkage.
-        track: Part of the score, by number from 1 or by name; by default the first guitar.
         speed: Factor of the tempo.
         seed: Seed of everything random.
     """
@@ -45,7 +61,6 @@ class Options:
     controller: Literal["policy", "planner"] = "planner"
     policy: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     hand: Hand = None
-    track: Track = None
     speed: float = 1.0
     seed: int = 0
 
@@ -143,22 +158,40 @@ class Train:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Finger:
+class Finger(Reading):
     """Print the tablature of a score with the fingers of both hands.
 
     Attributes:
         score: Score file, or name of a piece of the repertoire.
-        track: Part of the score, by number from 1 or by name; by default the first guitar.
     """
 
     score: Score
-    track: Track = None
 
     def run(self) -> None:
         """Do what the command says."""
         from roboguitarist import cli_play  # noqa: PLC0415
 
         cli_play.finger(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Convert(Reading):
+    """Write a score in another format: MusicXML, MIDI, ASCII tab or JSON.
+
+    Attributes:
+        score: Score file, name of a piece of the repertoire, or a recording (.npz), of which
+            what was heard is written.
+        output: File to write; its suffix says how: .musicxml, .mid, .txt or .json.
+    """
+
+    score: Score
+    output: Annotated[Path, tyro.conf.arg(metavar="FILE"), tyro.conf.Positional]
+
+    def run(self) -> None:
+        """Do what the command says."""
+        from roboguitarist import cli_play  # noqa: PLC0415
+
+        cli_play.convert(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,6 +217,7 @@ Command = (
     | Annotated[Evaluate, tyro.conf.subcommand("evaluate")]
     | Annotated[Train, tyro.conf.subcommand("train")]
     | Annotated[Finger, tyro.conf.subcommand("finger")]
+    | Annotated[Convert, tyro.conf.subcommand("convert")]
     | Annotated[Pieces, tyro.conf.subcommand("pieces")]
 )
 
@@ -218,7 +252,7 @@ def main(args: Sequence[str] | None = None) -> int:
     return 0
 
 
-def parse(args: Sequence[str]) -> Play | Evaluate | Train | Finger | Pieces:
+def parse(args: Sequence[str]) -> Play | Evaluate | Train | Finger | Convert | Pieces:
     """The command that the arguments ask for.
 
     Raises:

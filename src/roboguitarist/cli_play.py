@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from roboguitarist.alignment import Miss
-    from roboguitarist.cli import Evaluate, Finger, Options, Play
+    from roboguitarist.cli import Convert, Evaluate, Finger, Options, Play, Reading
     from roboguitarist.metrics import Metrics
     from roboguitarist.performance import Performance
 
@@ -68,7 +68,7 @@ def play(command: Play) -> None:
     Raises:
         RoboGuitaristError: If the score cannot be used or the files cannot be written.
     """
-    name, tablature = read(command.score, command.track, command.speed)
+    name, tablature = read_asked(command.score, command, command.speed)
     paths = output_paths(command.out, name, command.score)
     seconds: dict[str, float] = {}
     performance = perform(name, tablature, command, seconds)
@@ -100,7 +100,7 @@ def evaluate(command: Evaluate) -> None:
         raise RoboGuitaristError("no score (name a file or a piece, such as twinkle)")
     if command.json:
         check_folder(command.json.parent)
-    tablatures = [read(score, command.track, command.speed) for score in command.scores]
+    tablatures = [read_asked(score, command, command.speed) for score in command.scores]
     playings = []
     for name, tablature in tablatures:
         seconds: dict[str, float] = {}
@@ -119,12 +119,45 @@ def finger(command: Finger) -> None:
     """
     from roboguitarist import engraving, fingering  # noqa: PLC0415
 
-    _, tablature = read(command.score, command.track)
+    _, tablature = read_asked(command.score, command)
     width = shutil.get_terminal_size().columns
     print(engraving.render(fingering.assign(tablature), width), end="")
 
 
-def read(score: str, track: str | None = None, speed: float = 1.0) -> tuple[str, Tablature]:
+def convert(command: Convert) -> None:
+    """Write a score, or what was heard of a recording, in another format.
+
+    Raises:
+        RoboGuitaristError: If it cannot be read or written.
+    """
+    if Path(command.score).suffix == ".npz":
+        load_mujoco()
+        from roboguitarist import transcription  # noqa: PLC0415
+        from roboguitarist.performance import Performance  # noqa: PLC0415
+
+        tablature = transcription.heard(Performance.load(command.score))
+    else:
+        _, tablature = read_asked(command.score, command)
+    if command.output.exists() and Path(command.score).exists():
+        if command.output.samefile(command.score):
+            raise RoboGuitaristError(f"{command.output} would replace the score")
+    formats.save(command.output, tablature)
+    print("Written:", command.output)
+
+
+def read_asked(score: str, reading: Reading, speed: float = 1.0) -> tuple[str, Tablature]:
+    """Name and tablature of a score, read as the command says."""
+    return read(score, reading.track, speed, tempo=reading.tempo, grid=reading.grid)
+
+
+def read(
+    score: str,
+    track: str | None = None,
+    speed: float = 1.0,
+    *,
+    tempo: float | None = None,
+    grid: int | None = None,
+) -> tuple[str, Tablature]:
     """Name and tablature of a score file or a piece of the repertoire.
 
     What was read otherwise than written is said on stderr.
@@ -135,7 +168,8 @@ def read(score: str, track: str | None = None, speed: float = 1.0) -> tuple[str,
     path = Path(score)
     is_name = score in pieces.names() or not (path.suffix or path.parent.name or path.exists())
     path = pieces.path(score) if is_name else path
-    tablature = formats.load(path, track).at_speed(speed)
+    tablature = formats.load(path, track, tempo=tempo, grid=grid)
+    tablature = tablature.at_speed(speed)
     complain(path.stem, tablature.warnings)
     return path.stem, tablature
 
@@ -164,7 +198,7 @@ def perform(
     )
     start = time.perf_counter()
     fingered = fingering.assign(tablature)
-    complain(name, fingered.problems)
+    complain(name, [*cli_report.simplified(tablature), *fingered.problems])
     with progress_bar(name) as progress:
         played = performance.perform(fingered, config, progress)
     seconds["performance"] = time.perf_counter() - start

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from roboguitarist import pieces
+from roboguitarist.tablature import Tablature, Technique
 
 if TYPE_CHECKING:
     from roboguitarist.alignment import Miss
@@ -64,6 +65,17 @@ def causes(misses: Sequence[Miss]) -> str:
     """How many notes were missed for each reason, the most frequent first."""
     counted = Counter(miss.cause.value for miss in misses).most_common()
     return ", ".join(f"{count} {cause}" for cause, count in counted)
+
+
+PLAYED = {Technique.GRACE, Technique.LET_RING}
+"""Techniques that are in the times of the notes."""
+
+
+def simplified(tablature: Tablature) -> list[str]:
+    """One line that says which techniques are played as plain notes, none if there are none."""
+    counted = Counter(kind for note in tablature.notes for kind in note.techniques)
+    listed = [f"{count} {kind}" for kind, count in counted.most_common() if kind not in PLAYED]
+    return [f"played as plain notes: {', '.join(listed)}"] if listed else []
 
 
 def shortened(lines: Iterable[str]) -> list[str]:

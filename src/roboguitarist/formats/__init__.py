@@ -1,4 +1,8 @@
-"""Reading scores: MusicXML, compressed MusicXML and our own JSON tablature."""
+"""Reading and writing scores.
+
+MusicXML, Guitar Pro, MIDI, ASCII tab, alphaTex and our own JSON are read; MusicXML, MIDI, ASCII
+tab and JSON are written.
+"""
 
 from __future__ import annotations
 
@@ -6,33 +10,35 @@ from pathlib import Path
 
 from roboguitarist import storage
 from roboguitarist.errors import TabError
-from roboguitarist.formats import musicxml, musicxml_writer, mxl
+from roboguitarist.formats import ascii_writer, detection, midi_writer, musicxml_writer
 from roboguitarist.formats.parts import choose
 from roboguitarist.formats.unrolling import unroll
 from roboguitarist.tablature import Tablature
 
 MAX_FILE_BYTES = 50_000_000
-READ = "MusicXML (.musicxml, .xml), compressed MusicXML (.mxl) and JSON tablature (.json) are read"
-WRITTEN = "MusicXML (.musicxml, .xml) and JSON tablature (.json) are written"
-_BYTE_ORDER_MARKS = (b"\xff\xfe", b"\xfe\xff")
-_KNOWN = {
-    b"\x89PNG": "a PNG picture",
-    b"\xff\xd8\xff": "a JPEG picture",
-    b"%PDF": "a PDF document",
-    b"MThd": "a MIDI file",
-    b"\x18FICHIER GUITAR PRO": "a Guitar Pro file",
-    b"BCFZ": "a Guitar Pro file",
-    b"BCFS": "a Guitar Pro file",
-}
+MAX_JSON_BYTES = 30_000_000
+WRITTEN = (
+    "MusicXML (.musicxml, .xml), MIDI (.mid), ASCII tab (.txt, .tab) and JSON (.json) are written"
+)
 
 
-def load(path: str | Path, track: int | str | None = None) -> Tablature:
-    """Read a score; what it holds decides how, not only its suffix.
+def load(
+    path: str | Path,
+    track: int | str | None = None,
+    *,
+    tempo: float | None = None,
+    grid: int | None = None,
+) -> Tablature:
+    """Read a score; what it holds decides how, not its suffix.
 
     Args:
-        path: A MusicXML, MXL or JSON file.
+        path: The file.
         track: Number of the part from 1, or its name; by default the first that a six-string
             guitar can play, those with strings and frets before others.
+        tempo: Quarter notes a minute of an ASCII tab, from 10 to 1000; by default as the tab
+            says, else 120.
+        grid: A column of an ASCII tab is the grid-th part of a whole note, from 4 to 192; by
+            default as the tab says, else 16.
 
     Returns:
         The part as it is played. Its `warnings` say what was read otherwise than written.
@@ -42,7 +48,12 @@ def load(path: str | Path, track: int | str | None = None) -> Tablature:
     """
     path = Path(path)
     try:
-        return _load(_read_bytes(path), path.suffix.lower(), track)
+        data = _read_bytes(path)
+        if data.removeprefix(b"\xef\xbb\xbf").lstrip()[:1] in (b"{", b"["):
+            return _load_json(data)
+        score = detection.read(data, path.suffix.lower(), tempo, grid)
+        part, warnings = choose(score, track)
+        return unroll(score, part, warnings)
     except TabError as error:
         raise error.in_file(path.name) from error
 
@@ -50,8 +61,10 @@ def load(path: str | Path, track: int | str | None = None) -> Tablature:
 def save(path: str | Path, tablature: Tablature) -> None:
     """Write a tablature; the suffix says how, and the file appears when it is complete.
 
-    MusicXML (`.musicxml`, `.xml`) keeps notes, strings, frets, times, tempi, techniques and the
-    fingers of both hands; repeats are written out. JSON (`.json`) keeps everything.
+    JSON (`.json`) keeps everything. MusicXML (`.musicxml`, `.xml`) keeps notes, strings, frets,
+    times, tempi, techniques and the fingers of both hands; repeats are written out. MIDI (`.mid`,
+    `.midi`) keeps times, tempi, strings and loudness. ASCII tab (`.txt`, `.tab`) keeps the order
+    of strings and frets, some techniques, and times as far as a grid of columns can.
 
     Raises:
         TabError: If the suffix is not known or the file cannot be written.
@@ -60,6 +73,10 @@ def save(path: str | Path, tablature: Tablature) -> None:
     match path.suffix.lower():
         case ".musicxml" | ".xml":
             data = musicxml_writer.write(tablature)
+        case ".mid" | ".midi":
+            data = midi_writer.write(tablature)
+        case ".txt" | ".tab":
+            data = ascii_writer.write(tablature)
         case ".json":
             data = tablature.to_json().encode()
         case suffix:
@@ -87,28 +104,9 @@ def _read_bytes(path: Path) -> bytes:
     return data
 
 
-def _load(data: bytes, suffix: str, track: int | str | None) -> Tablature:
-    for magic, kind in _KNOWN.items():
-        if data.startswith(magic):
-            raise TabError(f"this is {kind}", hint=READ)
-    start = data.removeprefix(b"\xef\xbb\xbf").lstrip()[:1]
-    if data.startswith(b"PK"):
-        data = mxl.score_bytes(data)
-    elif start in (b"{", b"["):
-        return _load_json(data)
-    elif start != b"<" and not _is_utf16(data):
-        what = f"a {suffix} file" if suffix not in ("", ".xml", ".musicxml", ".mxl") else "this"
-        raise TabError(f"{what} is not a score that can be read", hint=READ)
-    score = musicxml.read(data)
-    part, warnings = choose(score, track)
-    return unroll(score, part, warnings)
-
-
-def _is_utf16(data: bytes) -> bool:
-    return data.startswith(_BYTE_ORDER_MARKS) or data[:4] in (b"<\0?\0", b"\0<\0?")
-
-
 def _load_json(data: bytes) -> Tablature:
+    if len(data) > MAX_JSON_BYTES:
+        raise TabError("JSON too large", hint=f"at most {MAX_JSON_BYTES // 10**6} MB")
     try:
         return Tablature.from_json(data.decode("utf-8-sig"))
     except UnicodeDecodeError as error:

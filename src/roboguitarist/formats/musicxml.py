@@ -25,13 +25,13 @@ _KEYBOARD_PROGRAMS = range(1, 9)
 _HIGHEST_BASS_STRING = 52  # string 1 of a bass with six strings is a C3
 
 
-def read(data: bytes) -> WrittenScore:
-    """Read the text of a MusicXML file.
+def read(source: bytes | Element) -> WrittenScore:
+    """Read a MusicXML document, from its text or its root.
 
     Raises:
         TabError: If it is not MusicXML, or an element makes no sense.
     """
-    root = xml_tree.parse(data)
+    root = xml_tree.parse(source) if isinstance(source, bytes) else source
     if root.tag == "score-timewise":
         root = _partwise(root)
     if root.tag != "score-partwise":

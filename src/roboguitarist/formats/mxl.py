@@ -1,4 +1,4 @@
-"""Compressed MusicXML: the score inside a zip archive.
+"""Zip archives with a score inside: compressed MusicXML, and Guitar Pro 7 and 8 (.gp).
 
 Format: https://www.w3.org/2021/06/musicxml40/tutorial/compressed-mxl-files/
 """
@@ -16,10 +16,11 @@ MAX_ARCHIVE_BYTES = 10_000_000
 MAX_MEMBERS = 1000
 MAX_MEMBER_BYTES = 50_000_000
 _CONTAINER = "META-INF/container.xml"
+_GPIF = "score.gpif"
 
 
 def score_bytes(data: bytes) -> bytes:
-    """The XML text of the score in an MXL archive.
+    """The XML text of the score in an archive.
 
     Raises:
         TabError: If the archive is broken, encrypted or too large, or names no score.
@@ -40,9 +41,10 @@ def score_bytes(data: bytes) -> bytes:
 def _root_file(archive: zipfile.ZipFile) -> str:
     names = archive.namelist()
     if _CONTAINER not in names:
-        if any(name.endswith("score.gpif") for name in names):
-            raise TabError("this is a Guitar Pro file", hint="export it as MusicXML")
-        raise TabError(f"not an MXL archive: no {_CONTAINER}")
+        gpif = next((name for name in names if name.endswith(_GPIF)), None)
+        if gpif is not None:
+            return gpif
+        raise TabError(f"not an archive with a score: no {_CONTAINER} and no {_GPIF}")
     container = xml_tree.parse(_read(archive, _CONTAINER))
     paths = [entry.get("full-path", "") for entry in container.iterfind(".//rootfile")]
     found = [path for path in paths if path in names]

@@ -1,0 +1,131 @@
+"""Systems of an ASCII tab: which lines are strings, and how they are tuned."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from roboguitarist.errors import TabError
+from roboguitarist.tablature import N_STRINGS, STANDARD_TUNING
+
+_LABEL = r"(?P<label>[A-Za-z][A-Za-z0-9#♯♭]?)?"
+_LINE = re.compile(rf"\s*{_LABEL}\s*(?P<body>[|:\]*-][-|:].*)")
+_NAMES = {"c": 0, "d": 2, "e": 4, "f": 5, "g": 7, "a": 9, "b": 11}
+_NOTE = re.compile(r"([A-Ga-g])([#b♯♭]?)")
+_MIN_DASHES = 2
+_TIMES = re.compile(r"\(?\s*[x×*]?\s*(\d{1,2})\s*[x×]?\s*\)?", re.IGNORECASE)
+
+
+@dataclass(frozen=True, slots=True)
+class StringLine:
+    """One string in one system: its label, and what follows it."""
+
+    number: int
+    label: str
+    body: str
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """Six strings over the width of the page, string 1 first.
+
+    Attributes:
+        line: Number of its first line in the file, from 1.
+        rows: What stands on each string, all of one length, a bar line at the end.
+        times: How often its last bar's repeat is played as said behind it, 0 if nothing is.
+    """
+
+    line: int
+    rows: tuple[str, ...]
+    times: int = 0
+
+
+def systems(lines: Sequence[str]) -> tuple[list[System], tuple[int, ...]]:
+    """All systems of a tab, and the tuning by its labels.
+
+    Raises:
+        TabError: If there is none, or not of six strings of a guitar.
+    """
+    blocks = [part for block in _blocks(lines) for part in _split(block)]
+    if not blocks:
+        raise TabError("no tab found", hint="six lines of dashes and frets, string 1 on top")
+    tuning, upside_down = _tuning([line.label for line in blocks[0]])
+    return [_system(block, upside_down) for block in blocks], tuning
+
+
+def _blocks(lines: Sequence[str]) -> Iterator[list[StringLine]]:
+    """Runs of lines that look like strings; single rules of dashes are none."""
+    block: list[StringLine] = []
+    for number, line in enumerate([*lines, ""], 1):
+        found = _LINE.match(line)
+        if found and found["body"].count("-") >= _MIN_DASHES:
+            block.append(StringLine(number, found["label"] or "", found["body"].rstrip()))
+            continue
+        if len(block) > 2:
+            yield block
+        block = []
+
+
+def _split(block: list[StringLine]) -> list[list[StringLine]]:
+    """The systems of a run: those of six strings may stand without a blank line between."""
+    labels = {line.label.casefold() for line in block} - {""}
+    strange = [label for label in labels if not _NOTE.fullmatch(label)]
+    if strange:
+        reason = f"a line is labelled {strange[0]!r}, as in a drum tab"
+        raise TabError(f"line {block[0].number}: {reason}", hint="e B G D A E are read")
+    if len(block) % N_STRINGS:
+        where = f"lines {block[0].number} to {block[-1].number}"
+        raise TabError(f"{where}: a tab of {len(block)} strings, not {N_STRINGS}")
+    return [block[k : k + N_STRINGS] for k in range(0, len(block), N_STRINGS)]
+
+
+def _tuning(labels: Sequence[str]) -> tuple[tuple[int, ...], bool]:
+    """Open strings, string 1 first, and whether the lines stand upside down."""
+    if not all(labels):
+        return STANDARD_TUNING, False
+    ways = []
+    for upside_down in (False, True):
+        ordered = list(reversed(labels)) if upside_down else list(labels)
+        strings = list(zip(ordered, STANDARD_TUNING, strict=True))
+        pitches = [nearest(label, usual) for label, usual in strings]
+        away = sum(abs(p - usual) for p, (_, usual) in zip(pitches, strings, strict=True))
+        capital_first = upside_down != (labels[0].islower() and not labels[-1].islower())
+        ways.append((away, not capital_first, upside_down, tuple(pitches)))
+    _, _, upside_down, pitches = min(ways)
+    return pitches, upside_down
+
+
+def nearest(name: str, usual: int) -> int:
+    """MIDI pitch of a note's name nearest to the usual one; rather lower than higher.
+
+    Raises:
+        TabError: If it is no name of a note.
+    """
+    found = _NOTE.fullmatch(name)
+    if found is None:
+        raise TabError(f"{name[:9]!r} is not a note", hint="such as E, A, D, F# or Bb")
+    step = _NAMES[found[1].casefold()] + {"#": 1, "♯": 1, "b": -1, "♭": -1, "": 0}[found[2]]
+    return usual + (step - usual + 7) % 12 - 7
+
+
+def _system(block: list[StringLine], upside_down: bool) -> System:
+    ordered = list(reversed(block)) if upside_down else block
+    cut = [_without_comment(line.body) for line in ordered]
+    width = max(len(body) for body, _ in cut)
+    rows = tuple(body.replace(" ", "-").ljust(width, "-") + "|" for body, _ in cut)
+    times = max(_times(comment) for _, comment in cut)
+    return System(block[0].number, rows, times)
+
+
+def _without_comment(body: str) -> tuple[str, str]:
+    """A string's line, and what stands behind its last bar line if that is no music."""
+    end = body.rfind("|") + 1
+    if end and "-" not in body[end:]:
+        return body[:end], body[end:].strip()
+    return body, ""
+
+
+def _times(comment: str) -> int:
+    found = _TIMES.fullmatch(comment)
+    return int(found[1]) if found else 0
