@@ -81,13 +81,14 @@ def read(data: bytes) -> WrittenScore:
     except Exception as error:  # mido has no error of its own
         raise TabError(f"broken MIDI file: {str(error)[:80] or 'it ends too early'}") from error
     conductor = _Conductor()
-    tracks = [found for track in file.tracks for found in _tracks(track, conductor)]
+    mixed = file.type == 0  # all instruments in one track
+    tracks = [found for track in file.tracks for found in _tracks(track, conductor, mixed)]
     bars = tuple(_bars(conductor, file.ticks_per_beat))
     parts = (_part(track, k, file.ticks_per_beat, bars) for k, track in enumerate(tracks, 1))
     return WrittenScore(bars, tuple(parts), title=conductor.title)
 
 
-def _tracks(messages: Iterable[Any], conductor: _Conductor) -> Iterator[_Track]:
+def _tracks(messages: Iterable[Any], conductor: _Conductor, mixed: bool) -> Iterator[_Track]:
     """Instruments of one track: one, or one for each channel where they are no strings."""
     track = _Track()
     by_channel: dict[int, set[int]] = {}
@@ -116,12 +117,12 @@ def _tracks(messages: Iterable[Any], conductor: _Conductor) -> Iterator[_Track]:
             track.notes.append(_Sounding(start, now, pitch, channel, velocity))
     conductor.end = max(conductor.end, now)
     track.notes.sort(key=lambda note: (note.start, note.channel, note.pitch))
-    yield from _by_instrument(track, by_channel)
+    yield from _by_instrument(track, by_channel, mixed)
 
 
-def _by_instrument(track: _Track, programs: dict[int, set[int]]) -> Iterator[_Track]:
+def _by_instrument(track: _Track, programs: dict[int, set[int]], mixed: bool) -> Iterator[_Track]:
     channels = sorted({note.channel for note in track.notes})
-    if track.strings is not None or len(channels) < 2:
+    if track.strings is not None or len(channels) < 2 or not mixed:
         track.programs = {p for channel in channels for p in programs.get(channel, ())}
         if channels:
             yield track
