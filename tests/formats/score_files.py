@@ -61,7 +61,8 @@ def mxl() -> bytes:
     return archive({"score.xml": musicxml()})
 
 
-def guitar_pro(version: tuple[int, int, int]) -> bytes:
+def guitar_pro(version: tuple[int, int, int], fret: int | None = None) -> bytes:
+    """The piece, or all its notes at one fret."""
     song = guitarpro.Song(tempo=100, title="Short")
     song.measureHeaders = []
     track = song.tracks[0]
@@ -75,9 +76,10 @@ def guitar_pro(version: tuple[int, int, int]) -> bytes:
         for places in beats:
             duration = guitarpro.Duration(len(beats))
             beat = guitarpro.Beat(voice, duration=duration, status=guitarpro.BeatStatus.normal)
-            for string, fret in places:
+            for string, written in places:
                 kind = guitarpro.NoteType.normal
-                beat.notes.append(guitarpro.Note(beat, value=fret, string=string, type=kind))
+                value = written if fret is None else fret
+                beat.notes.append(guitarpro.Note(beat, value=value, string=string, type=kind))
             voice.beats.append(beat)
     buffer = io.BytesIO()
     guitarpro.write(song, buffer, version=version)

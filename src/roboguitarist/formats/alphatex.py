@@ -19,7 +19,13 @@ from roboguitarist.formats.alphatex_beats import Beat, Scanner, read_beat
 from roboguitarist.formats.linked import Linked, linked
 from roboguitarist.formats.musicxml_bars import FASTEST, MAX_TIMES, SLOWEST
 from roboguitarist.formats.musicxml_part import GRACE_LENGTH
-from roboguitarist.formats.written import WrittenBar, WrittenNote, WrittenPart, WrittenScore
+from roboguitarist.formats.written import (
+    MAX_NOTES,
+    WrittenBar,
+    WrittenNote,
+    WrittenPart,
+    WrittenScore,
+)
 from roboguitarist.tablature import Technique
 
 _STEPS = {"c": 0, "d": 2, "e": 4, "f": 5, "g": 7, "a": 9, "b": 11}
@@ -32,7 +38,7 @@ _TEXTS = ("title", "subtitle", "artist", "album", "words", "music", "copyright",
           "chord", "lyrics", "voice", "accidentals", "defaultSystemsLayout",
           "systemsLayout", "displaytranspose", "volume", "balance", "db")  # fmt: skip
 _MAX_BARS = 10_000
-_MAX_COMMANDS = 500_000
+MAX_CHARACTERS = 1_000_000
 
 
 def is_alphatex(text: str) -> bool:
@@ -66,9 +72,7 @@ class _Reader:
 
     def read(self) -> None:
         """Read everything."""
-        for _ in range(_MAX_COMMANDS):
-            if self._scan.at_end():
-                break
+        while not self._scan.at_end():
             if self._scan.take("|"):
                 self._begin_bar()
                 self._open = False
@@ -79,8 +83,6 @@ class _Reader:
                 self._length = self._scan.duration()
             elif not self._scan.take_dot():
                 self._beat()
-        else:
-            raise TabError(f"more than {_MAX_COMMANDS} signs")
 
     def _begin_bar(self) -> WrittenBar:
         """The bar that is being read; a new one behind a bar line."""
@@ -199,6 +201,8 @@ class _Reader:
                 bend=sign.bend,
                 velocity=beat.velocity,
             )
+            if len(track.links) >= MAX_NOTES:
+                raise TabError(f"more than {MAX_NOTES} notes")
             track.links.append(Linked(note, slurs=sign.slurs, slides=sign.slides))
 
     def _tied_fret(self, string: int) -> int:
@@ -212,6 +216,8 @@ def read(text: str) -> WrittenScore:
     Raises:
         TabError: If it is broken or uses what is not read.
     """
+    if len(text) > MAX_CHARACTERS:
+        raise TabError("alphaTex too long", hint=f"at most {MAX_CHARACTERS} characters")
     reader = _Reader(text)
     reader.read()
     tracks = [track for track in reader.tracks if track.bars]

@@ -41,6 +41,12 @@ class System:
     times: int = 0
 
 
+def is_string(line: str) -> bool:
+    """Whether a line looks like one string of a tab."""
+    found = _LINE.match(line)
+    return found is not None and found["body"].count("-") >= _MIN_DASHES
+
+
 def systems(lines: Sequence[str]) -> tuple[list[System], tuple[int, ...]]:
     """All systems of a tab, and the tuning by its labels.
 
@@ -59,7 +65,7 @@ def _blocks(lines: Sequence[str]) -> Iterator[list[StringLine]]:
     block: list[StringLine] = []
     for number, line in enumerate([*lines, ""], 1):
         found = _LINE.match(line)
-        if found and found["body"].count("-") >= _MIN_DASHES:
+        if found and is_string(line):
             block.append(StringLine(number, found["label"] or "", found["body"].rstrip()))
             continue
         if len(block) > 2:

@@ -15,8 +15,14 @@ from itertools import accumulate
 
 from roboguitarist.errors import TabError
 from roboguitarist.formats.ascii_signs import Sign, signs
-from roboguitarist.formats.ascii_system import System, nearest, systems
-from roboguitarist.formats.written import WrittenBar, WrittenNote, WrittenPart, WrittenScore
+from roboguitarist.formats.ascii_system import System, is_string, nearest, systems
+from roboguitarist.formats.written import (
+    MAX_NOTES,
+    WrittenBar,
+    WrittenNote,
+    WrittenPart,
+    WrittenScore,
+)
 from roboguitarist.tablature import STANDARD_TUNING
 
 DEFAULT_GRID, DEFAULT_TEMPO = 16, 120
@@ -24,6 +30,7 @@ GRIDS = range(4, 193)
 TEMPI = range(10, 1001)
 MAX_LENGTH = Fraction(4)
 """Quarter notes; a note that nothing follows lasts no longer."""
+MAX_CHARACTERS = 2_000_000
 _MAX_LINES = 100_000
 _CONFLICT = re.compile(r"(<{7}|>{7})( |$)")
 _FACT = re.compile(r"\s*(tempo|bpm|grid|capo|tuning|title|composer|artist)\s*[:=]\s*(.*)", re.I)
@@ -32,7 +39,7 @@ _REPEAT_SIGNS = set(":*oO")
 
 def is_tab(text: str) -> bool:
     """Whether a text has at least three lines that look like strings."""
-    return len(re.findall(r"(?m)^[ \t]*[A-Za-z]?[A-Za-z0-9#]?[ \t]*[|:\]-].{0,400}--", text)) >= 3
+    return sum(is_string(line) for line in text.splitlines()[:_MAX_LINES]) >= 3
 
 
 def read(text: str, tempo: float | None = None, grid: int | None = None) -> WrittenScore:
@@ -46,9 +53,9 @@ def read(text: str, tempo: float | None = None, grid: int | None = None) -> Writ
     Raises:
         TabError: If there is no tab, or it is not one for a guitar with six strings.
     """
+    if len(text) > MAX_CHARACTERS:
+        raise TabError("ASCII tab too long", hint=f"at most {MAX_CHARACTERS} characters")
     lines = [line.expandtabs() for line in text.splitlines()]
-    if len(lines) > _MAX_LINES:
-        raise TabError(f"more than {_MAX_LINES} lines")
     for number, line in enumerate(lines, 1):
         if _CONFLICT.match(line):
             raise TabError(f"line {number}: a conflict marker of git", hint="merge the file first")
@@ -117,6 +124,8 @@ def _bars(found: Sequence[System], column: Fraction) -> tuple[list[WrittenBar], 
                     where = f"line {system.line + string - 1}: {error.reason}"
                     raise TabError(where, bar=bar.number, hint=error.hint) from error
                 notes.extend(_note(len(bars) - 1, string, sign, column) for sign in on_string)
+                if len(notes) > MAX_NOTES:
+                    raise TabError(f"more than {MAX_NOTES} notes")
     return bars, sorted(notes, key=lambda note: (note.bar, note.offset, note.string))
 
 

@@ -22,7 +22,7 @@ from roboguitarist.formats.written import WrittenBar, WrittenPart, WrittenScore
 from roboguitarist.formats.xml_tree import integer, text
 
 _LISTS = {"Bars": "Bar", "Voices": "Voice", "Beats": "Beat", "Notes": "Note", "Rhythms": "Rhythm"}
-MAX_BEATS = 200_000
+MAX_BEATS = 100_000
 _HIGHEST_BASS_STRING = 52
 
 

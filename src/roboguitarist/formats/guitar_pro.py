@@ -21,8 +21,8 @@ from roboguitarist.formats.note_values import dotted
 from roboguitarist.formats.written import WrittenBar, WrittenPart, WrittenScore
 
 MAGIC = (b"FICHIER GUITAR PRO", b"CLIPBOARD G")
-MAX_BYTES = 5_000_000
-MAX_READS = 3_000_000
+MAX_BYTES = 2_000_000
+MAX_READS = 1_500_000
 MAX_READS_BEHIND_END = 1000
 _HIGHEST_BASS_STRING = 52
 _Tempi = dict[int, dict[Fraction, Fraction]]

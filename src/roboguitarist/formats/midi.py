@@ -20,7 +20,7 @@ from roboguitarist.formats.musicxml_bars import FASTEST, SLOWEST
 from roboguitarist.formats.written import WrittenBar, WrittenNote, WrittenPart, WrittenScore
 from roboguitarist.tablature import N_STRINGS
 
-MAX_BYTES = 4_000_000
+MAX_BYTES = 1_000_000
 MAX_TICKS = 2**31
 MAX_BARS = 10_000
 DRUM_CHANNEL = 9

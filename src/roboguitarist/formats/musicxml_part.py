@@ -14,7 +14,7 @@ from roboguitarist.formats import musicxml_bars
 from roboguitarist.formats.musicxml_bars import RawBar
 from roboguitarist.formats.musicxml_marks import DYNAMICS, bend, fingers, techniques, velocity
 from roboguitarist.formats.musicxml_staves import StaffDetails, pitch
-from roboguitarist.formats.written import WrittenNote
+from roboguitarist.formats.written import MAX_NOTES, WrittenNote
 from roboguitarist.formats.xml_tree import integer, number
 
 GRACE_LENGTH = Fraction(1, 8)
@@ -50,6 +50,7 @@ class PartReader:
         self._now = self._chord_start = self._here = Fraction(0)
         self._grace: list[_Waiting] = []
         self._velocity: int | None = None
+        self._elements = 0
         self._complaints: Counter[str] = Counter()
 
     def warnings(self) -> tuple[str, ...]:
@@ -151,6 +152,9 @@ class PartReader:
         return duration / self._divisions
 
     def _read_note(self, element: Element) -> None:
+        self._elements += 1
+        if self._elements > 2 * MAX_NOTES:
+            raise TabError(f"more than {2 * MAX_NOTES} notes and rests")
         chord = element.find("chord") is not None
         if element.find("grace") is not None:
             slot = len({waiting.slot for waiting in self._grace})

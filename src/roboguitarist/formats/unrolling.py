@@ -26,7 +26,7 @@ from roboguitarist.tablature import (
     validate,
 )
 
-MAX_PLAYED_NOTES = 100_000
+MAX_PLAYED_NOTES = 50_000
 MAX_WARNINGS = 100
 
 

@@ -7,6 +7,9 @@ from fractions import Fraction
 
 from roboguitarist.tablature import Technique
 
+MAX_NOTES = 50_000
+"""Notes of a file that are read; real ones have some thousands."""
+
 
 @dataclass(frozen=True, slots=True)
 class WrittenNote:

@@ -12,7 +12,7 @@ from defusedxml.ElementTree import DefusedXMLParser
 
 from roboguitarist.errors import TabError
 
-MAX_ELEMENTS = 2_000_000
+MAX_ELEMENTS = 1_000_000
 MAX_DEPTH = 100
 MAX_TAG_BYTES = 100_000
 _HUGE_TAG = re.compile(rb"<[^<>]{%d}" % MAX_TAG_BYTES)
