@@ -10,7 +10,7 @@ from roboguitarist.errors import TabError
 from roboguitarist.tablature import N_STRINGS, STANDARD_TUNING
 
 _LABEL = r"(?P<label>[A-Za-z][A-Za-z0-9#♯♭]?)?"
-_LINE = re.compile(rf"\s*{_LABEL}\s*(?P<body>[|:\]*-][-|:].*)")
+_LINE = re.compile(rf"\s*{_LABEL}\s*(?P<body>([|:\]*]|-[-|:\d]).*)")
 _NAMES = {"c": 0, "d": 2, "e": 4, "f": 5, "g": 7, "a": 9, "b": 11}
 _NOTE = re.compile(r"([A-Ga-g])([#b♯♭]?)")
 _MIN_DASHES = 2
@@ -42,9 +42,18 @@ class System:
 
 
 def is_string(line: str) -> bool:
-    """Whether a line looks like one string of a tab."""
+    """Whether a line looks like one string of a tab.
+
+    Between a label that is no note and the dashes there must be a bar line: `PM---` is no string.
+    """
     found = _LINE.match(line)
-    return found is not None and found["body"].count("-") >= _MIN_DASHES
+    if found is None:
+        return False
+    label = found["label"] or ""
+    named = bool(label) and found["body"].startswith("|")
+    if found["body"].count("-") < (1 if named else _MIN_DASHES):
+        return False
+    return not label or bool(_NOTE.fullmatch(label)) or not found["body"].startswith("-")
 
 
 def systems(lines: Sequence[str]) -> tuple[list[System], tuple[int, ...]]:
@@ -80,6 +89,8 @@ def _split(block: list[StringLine]) -> list[list[StringLine]]:
     if strange:
         reason = f"a line is labelled {strange[0]!r}, as in a drum tab"
         raise TabError(f"line {block[0].number}: {reason}", hint="e B G D A E are read")
+    if len(block) % N_STRINGS and labels:
+        block = [line for line in block if line.label]  # a rule of dashes stands above
     if len(block) % N_STRINGS:
         where = f"lines {block[0].number} to {block[-1].number}"
         raise TabError(f"{where}: a tab of {len(block)} strings, not {N_STRINGS}")

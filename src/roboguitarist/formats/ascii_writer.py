@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 from roboguitarist.formats.ascii_signs import text_of
@@ -52,15 +54,27 @@ def _facts(tablature: Tablature, per_quarter: int) -> Iterator[str]:
 
 def _spaced(tablature: Tablature) -> Ticked:
     """Times in columns, so many in a quarter note that no two signs on a string touch."""
+    onsets = (replace(note, duration_s=0.0) for note in tablature.notes)
+    tablature = replace(tablature, notes=tuple(onsets))  # durations need no columns
     ticked = in_ticks(tablature, RESOLUTIONS)
     for factor in (1, 2, 3, 4, 6):
         per_quarter = ticked.per_quarter * factor
         if per_quarter > RESOLUTIONS[-1]:
             break
         ticked = in_ticks(tablature, (per_quarter,))
-        if all(_fits(*pair) for pair in _neighbours(ticked)):
+        if _has_room(ticked) and all(_fits(*pair) for pair in _neighbours(ticked)):
             break
     return ticked
+
+
+def _has_room(ticked: Ticked) -> bool:
+    """Whether every sign ends before the bar does."""
+    ends = [bar.end for bar in ticked.bars]
+    for note in ticked.notes:
+        end = ends[min(bisect_right(ends, note.start), len(ends) - 1)]
+        if note.start + len(text_of(note.note)[1]) > end:
+            return False
+    return True
 
 
 def _neighbours(ticked: Ticked) -> Iterator[tuple[TickedNote, TickedNote]]:
@@ -84,7 +98,8 @@ def _bars(ticked: Ticked) -> Iterator[list[str]]:
         while k < len(notes) and (notes[k].start < bar.end or bar is ticked.bars[-1]):
             _put(rows[notes[k].note.string - 1], max(0, notes[k].start - bar.start), notes[k])
             k += 1
-        yield ["".join(row) for row in rows]
+        width = max(map(len, rows))
+        yield ["".join(row).ljust(width, "-") for row in rows]
 
 
 def _put(row: list[str], column: int, note: TickedNote) -> None:
