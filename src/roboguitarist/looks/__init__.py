@@ -15,10 +15,10 @@ from roboguitarist.looks.head import add_head
 from roboguitarist.looks.materials import add_materials
 from roboguitarist.looks.neck import add_neck
 from roboguitarist.looks.shapes import COLLISION_GROUP, VISUAL_GROUP
-from roboguitarist.looks.stage import CAMERAS, add_stage
+from roboguitarist.looks.stage import CAMERAS, HELD_RAD, add_stage
 from roboguitarist.looks.strings import add_strings
 
-__all__ = ["CAMERAS", "COLLISION_GROUP", "VISUAL_GROUP", "dress"]
+__all__ = ["CAMERAS", "COLLISION_GROUP", "HELD_RAD", "VISUAL_GROUP", "dress"]
 
 
 def dress(spec: mujoco.MjSpec, guitar: Guitar, sides: tuple[Side, ...]) -> None:

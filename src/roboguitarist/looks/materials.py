@@ -38,12 +38,21 @@ _WOOD = {
     "fingerboard": ((0.21, 0.12, 0.085), 0.25, 60),
 }
 _TEXELS = 512
+_METAL = 0.75
+"""What reflects more than this is a metal to renderers that tell metals apart."""
 
 
 def add_materials(spec: mujoco.MjSpec) -> None:
     """Add all materials that the other functions of this package name."""
     for name, (rgb, specular, shininess) in _PLAIN.items():
-        spec.add_material(name=name, rgba=(*rgb, 1), specular=specular, shininess=shininess)
+        spec.add_material(
+            name=name,
+            rgba=(*rgb, 1),
+            specular=specular,
+            shininess=shininess,
+            metallic=float(specular > _METAL),
+            roughness=_roughness(shininess),
+        )
     for name, (rgb, contrast, lines) in _WOOD.items():
         spec.add_texture(
             name=name,
@@ -53,8 +62,15 @@ def add_materials(spec: mujoco.MjSpec) -> None:
             nchannel=3,
             data=wood(rgb, contrast, lines).ravel().tolist(),
         )
-        material = spec.add_material(name=name, specular=0.35, shininess=0.5)
+        material = spec.add_material(
+            name=name, specular=0.35, shininess=0.5, metallic=0.0, roughness=_roughness(0.5)
+        )
         material.textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = name
+
+
+def _roughness(shininess: float) -> float:
+    """The same polish for renderers that count it the other way round."""
+    return 1.0 - 0.8 * shininess
 
 
 def wood(rgb: tuple[float, float, float], contrast: float, lines: int) -> np.ndarray:

@@ -14,7 +14,7 @@ from roboguitarist.looks.shapes import looking
 CAMERAS = ("front", "left", "right", "player")
 """`front`: as the audience sees it; `left` and `right`: close on that hand; `player`: over the
 player's shoulder along the neck."""
-_HELD_RAD = np.radians(7)
+HELD_RAD = np.radians(7)
 """The picture is turned by this much, so that the head of the guitar is held high."""
 
 
@@ -50,7 +50,7 @@ class Shot:
     target: tuple[float, float, float]
     offset: tuple[float, float, float]
     fovy_deg: float
-    held_rad: float = _HELD_RAD
+    held_rad: float = HELD_RAD
 
 
 def _add_camera(body: mujoco.MjsBody, shot: Shot) -> None:

@@ -13,22 +13,18 @@ from typing import Literal
 
 import numpy as np
 
-from roboguitarist import sound
+from roboguitarist import replay, sound, storage
 from roboguitarist.errors import RoboGuitaristError
-from roboguitarist.guitar import preset
-from roboguitarist.hands import VARIANTS
 from roboguitarist.looks import CAMERAS
 from roboguitarist.performance import Performance
-from roboguitarist.scene import SceneConfig, build
+from roboguitarist.replay import LEAD_S, frame_times
 from roboguitarist.video.canvas import Canvas, View
 from roboguitarist.video.errors import UnavailableError
 from roboguitarist.video.movie import RATE_HZ, film
-from roboguitarist.video.overlay import STRIP_SHARE, Overlay
+from roboguitarist.video.overlay import STRIP_SHARE, Overlay, image
 
-__all__ = ["LEAD_S", "UnavailableError", "render", "still"]
+__all__ = ["LEAD_S", "UnavailableError", "render", "still", "write_gif", "write_still"]
 
-LEAD_S = 0.5
-"""The film begins that long before the piece."""
 INSETS = ("left", "right")
 Quality = Literal["fast", "high"]
 
@@ -73,7 +69,7 @@ def render(
     main = _over_strip(camera, size)
     with (
         closing(_canvas(performance, size, quality)) as canvas,
-        film(path, size, fps, _from(times[0], samples)) as movie,
+        film(path, size, fps, replay.sound_from(times[0], samples, RATE_HZ)) as movie,
     ):
         for done, time_s in enumerate(times.tolist(), start=1):
             picture = _picture(performance, canvas, time_s, [main, *overlay.insets])
@@ -117,13 +113,63 @@ def still(
         return over.draw(_picture(performance, canvas, time_s, views), time_s)
 
 
-def frame_times(performance: Performance, fps: int, sound_s: float = 0.0) -> np.ndarray:
-    """Times of the film's pictures in seconds from the start of the piece."""
-    if not performance.time_s.size:
-        raise RoboGuitaristError("no video of a performance without ticks")
-    start_s = max(float(performance.time_s[0]), -LEAD_S)
-    end_s = max(float(performance.time_s[-1]), sound_s)
-    return start_s + np.arange(max(1, round((end_s - start_s) * fps))) / fps
+def write_still(
+    performance: Performance,
+    path: str | Path,
+    time_s: float,
+    camera: str = "front",
+    *,
+    size: tuple[int, int] = (1280, 720),
+    quality: Quality = "high",
+    overlay: bool = False,
+) -> None:
+    """Write one picture as PNG; arguments and errors as for `still`."""
+    picture = still(performance, time_s, camera, size=size, quality=quality, overlay=overlay)
+    with storage.replacing(path) as temporary:
+        image(picture).save(temporary, "PNG")
+
+
+def write_gif(
+    performance: Performance,
+    path: str | Path,
+    time_s: float,
+    camera: str = "front",
+    *,
+    size: tuple[int, int] = (640, 360),
+    fps: int = 15,
+    length_s: float = 4.0,
+    quality: Quality = "high",
+) -> None:
+    """Write some seconds as an animated GIF without sound.
+
+    Args:
+        performance: What to show.
+        path: File to write; it appears when it is complete.
+        time_s: The middle of what is shown, in seconds from the start of the piece.
+        camera: One of `roboguitarist.looks.CAMERAS`.
+        size: Width and height in pixels, even numbers.
+        fps: Pictures per second.
+        length_s: How long it lasts.
+        quality: As for `render`.
+
+    Raises:
+        UnavailableError: If a library that this needs is missing; the message says which.
+        RoboGuitaristError: If an argument is not one of those above or the file cannot be
+            written.
+    """
+    _check(camera, size)
+    times = time_s + np.arange(-length_s / 2, length_s / 2, 1 / fps)
+    overlay = Overlay(performance, size, _insets(camera, size))
+    views = [_over_strip(camera, size), *overlay.insets]
+    with closing(_canvas(performance, size, quality)) as canvas:
+        first, *others = (
+            image(overlay.draw(_picture(performance, canvas, at_s, views), at_s))
+            for at_s in times.tolist()
+        )
+    with storage.replacing(path) as temporary:
+        first.save(
+            temporary, "GIF", save_all=True, append_images=others, duration=1000 // fps, loop=0
+        )
 
 
 def _check(camera: str, size: tuple[int, int]) -> None:
@@ -134,21 +180,8 @@ def _check(camera: str, size: tuple[int, int]) -> None:
         raise RoboGuitaristError(f"no video of {width}x{height} (give even numbers up to 8192)")
 
 
-def _from(start_s: float, samples: np.ndarray) -> np.ndarray:
-    """The sound from `start_s` on."""
-    skipped = round(start_s * RATE_HZ)
-    silence = np.zeros((max(0, -skipped), 2), np.float32)
-    return np.concatenate([silence, samples[max(0, skipped) :]])
-
-
 def _canvas(performance: Performance, size: tuple[int, int], quality: Quality) -> Canvas:
-    if performance.hand not in VARIANTS:
-        raise RoboGuitaristError(f"no hand {performance.hand!r} (there are {', '.join(VARIANTS)})")
-    model = build(SceneConfig(preset(performance.guitar), performance.hand))
-    if performance.qpos.ndim != 2 or performance.qpos.shape[1] != model.nq:
-        found = performance.qpos.shape
-        raise RoboGuitaristError(f"the performance has joints {found}, the scene {model.nq}")
-    return Canvas(model, size, high=quality == "high")
+    return Canvas(replay.scene(performance), size, high=quality == "high")
 
 
 def _over_strip(camera: str, size: tuple[int, int]) -> View:
@@ -172,9 +205,4 @@ def _insets(camera: str, size: tuple[int, int]) -> tuple[View, ...]:
 def _picture(
     performance: Performance, canvas: Canvas, time_s: float, views: Sequence[View]
 ) -> np.ndarray:
-    place = np.interp(time_s, performance.time_s, np.arange(len(performance.time_s)))
-    before = int(place)
-    after = min(before + 1, len(performance.time_s) - 1)
-    share = place - before
-    qpos = (1 - share) * performance.qpos[before] + share * performance.qpos[after]
-    return canvas.draw(qpos, views)
+    return canvas.draw(replay.postures(performance, np.array([time_s]))[0], views)

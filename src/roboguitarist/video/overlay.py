@@ -185,6 +185,15 @@ def _pillow() -> tuple[Any, Any, Any]:
     return Image, ImageDraw, _font
 
 
+def image(picture: np.ndarray) -> Any:
+    """A picture (height, width, 3) uint8 as an image of Pillow's.
+
+    Raises:
+        UnavailableError: If Pillow is not installed.
+    """
+    return _pillow()[0].fromarray(picture)
+
+
 @lru_cache
 def _font(size: int) -> Any:
     """A font with accented letters if the machine has one, else Pillow's own."""
