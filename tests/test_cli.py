@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from builders import perfect
+from builders import moving
 from complaints import complaint
 from roboguitarist import __version__, cli_play, performance, pieces, video
-from roboguitarist.cli import Evaluate, Finger, Pieces, Play, Train, main, parse
+from roboguitarist.cli import Evaluate, Export, Finger, Pieces, Play, Train, View, main, parse
 from roboguitarist.performance import Performance
 from roboguitarist.tablature import Note, Tablature
 
@@ -32,7 +32,7 @@ def tab(tmp_path):
 def no_physics(monkeypatch):
     def perform(fingering, config, progress):
         progress(1.0)
-        return perfect(fingering.tablature)
+        return moving(fingering.tablature)
 
     monkeypatch.setattr(performance, "perform", perform)
 
@@ -70,6 +70,10 @@ def test_every_command_parses_its_defaults():
     assert parse(["finger", "x"]) == Finger(score="x")
     assert parse(["train", "x"]) == Train(scores=("x",))
     assert parse(["train", "--resume"]) == Train(resume=True)
+    assert parse(["view", "x.npz"]) == View(recording=Path("x.npz"))
+    assert parse(["export", "x.npz", "a.glb", "b.mid"]) == Export(
+        recording=Path("x.npz"), out=(Path("a.glb"), Path("b.mid"))
+    )
     assert parse(["pieces"]) == Pieces(names=False)
     assert parse(["play", "x"]) == parse(
         "play x --controller planner --speed 1.0 --seed 0 --camera front".split()
@@ -118,7 +122,12 @@ def test_finger_prints_the_tab_and_every_piece_is_found_by_name(capsys):
 def test_play_writes_what_it_played(tab, tmp_path, capsys):
     out = tmp_path / "out"
     assert main(["play", tab, "--out", str(out), "--no-video"]) == 0
-    assert sorted(path.name for path in out.iterdir()) == ["three.json", "three.npz", "three.wav"]
+    assert sorted(path.name for path in out.iterdir()) == [
+        "three.html",
+        "three.json",
+        "three.npz",
+        "three.wav",
+    ]
     recording = Performance.load(out / "three.npz")
     assert recording.tablature == TAB
     assert recording.pluck_string.tolist() == [3, 2, 1]
@@ -146,21 +155,21 @@ def test_a_machine_without_renderer_gets_everything_but_the_video(
     out = tmp_path / "out"
     assert main(["play", tab, "--out", str(out)]) == 0
     assert capsys.readouterr().err == "roboguitarist: no video: no OpenGL library found\n"
-    assert sorted(path.suffix for path in out.iterdir()) == [".json", ".npz", ".wav"]
+    assert sorted(path.suffix for path in out.iterdir()) == [".html", ".json", ".npz", ".wav"]
 
 
 @pytest.mark.usefixtures("no_physics")
 def test_the_video_gets_the_sound_that_was_written(tab, tmp_path, capsys, monkeypatch):
-    def render(played, path, camera, samples, progress):
+    def render(played, path, camera, *, quality, samples, progress):
         progress(1.0)
-        path.write_bytes(samples.tobytes() + camera.encode())
+        path.write_bytes(samples.tobytes() + f"{camera} {quality}".encode())
 
     monkeypatch.setattr(video, "render", render)
     out = tmp_path / "out"
-    assert main(["play", tab, "--out", str(out), "--camera", "player"]) == 0
+    assert main(["play", tab, "--out", str(out), "--camera", "player", "--quality", "high"]) == 0
     film = (out / "three.mp4").read_bytes()
-    assert film.endswith(b"player")
-    assert len(film) - len("player") == 2 * (len((out / "three.wav").read_bytes()) - 44)
+    assert film.endswith(b"player high")
+    assert len(film) - len("player high") == 2 * (len((out / "three.wav").read_bytes()) - 44)
     written = capsys.readouterr().out.splitlines()[-1].removeprefix("Written: ").split(", ")
     assert sorted(map(Path, written)) == sorted(out.iterdir())
 

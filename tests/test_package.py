@@ -17,7 +17,7 @@ ORDER = (
     "errors storage tablature pieces registration arrangement formats guitar fingering exercises "
     "engraving hands looks scene sensing kinematics plan servo plucking fretting policies "
     "performance transcription alignment metrics training sound ringing replay video export "
-    "viewer cli_report cli_play cli_train cli"
+    "viewer live cli_report cli_play cli_export cli_train cli"
 ).split()
 
 

@@ -23,6 +23,9 @@ from roboguitarist.errors import RoboGuitaristError
 PROG = "roboguitarist"
 Score = Annotated[str, tyro.conf.arg(metavar="SCORE"), tyro.conf.Positional]
 Hand = Annotated[Literal["linkage", "tendon"] | None, tyro.conf.arg(metavar="{linkage,tendon}")]
+Recording = Annotated[Path, tyro.conf.arg(metavar="FILE.npz"), tyro.conf.Positional]
+Camera = Literal["front", "left", "right", "player"]
+Quality = Literal["fast", "high"]
 Track = Annotated[str | None, tyro.conf.arg(metavar="N")]
 Tempo = Annotated[float | None, tyro.conf.arg(metavar="BPM")]
 Grid = Annotated[int | None, tyro.conf.arg(metavar="N")]
@@ -67,22 +70,24 @@ class Options(Reading):
 
 @dataclass(frozen=True, kw_only=True)
 class Play(Options):
-    """Play a score: write its video, sound, recording and metrics.
+    """Play a score: write its video, web page, sound, recording and metrics.
 
-    NAME is the score's name without suffix; the files are NAME.mp4, NAME.wav, NAME.npz and
-    NAME.json.
+    NAME is the score's name without suffix; the files are NAME.mp4, NAME.html, NAME.wav, NAME.npz
+    and NAME.json.
 
     Attributes:
         score: Score file, or name of a piece of the repertoire.
         out: Folder to write to.
         no_video: Leave out the video.
         camera: Where the video is seen from.
+        quality: `high` draws shadows and smooth edges, and takes several times as long.
     """
 
     score: Score
     out: Annotated[Path, tyro.conf.arg(metavar="DIR")] = Path("out")
     no_video: bool = False
-    camera: Literal["front", "left", "right", "player"] = "front"
+    camera: Camera = "front"
+    quality: Quality = "fast"
 
     def run(self) -> None:
         """Do what the command says."""
@@ -192,6 +197,51 @@ class Convert(Reading):
         from roboguitarist import cli_play  # noqa: PLC0415
 
         cli_play.convert(self)
+class View:
+    """Make the web page of a recorded performance and show it in the browser.
+
+    Attributes:
+        recording: The `.npz` file of a performance, as `play` writes it.
+        out: The page; by default it stands beside the recording.
+        no_open: Only make the page.
+        live: Show the performance in MuJoCo's own viewer instead.
+    """
+
+    recording: Recording
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    no_open: bool = False
+    live: bool = False
+
+    def run(self) -> None:
+        """Do what the command says."""
+        from roboguitarist import cli_export  # noqa: PLC0415
+
+        cli_export.view(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Export:
+    """Write a recorded performance for other programs.
+
+    Attributes:
+        recording: The `.npz` file of a performance, as `play` writes it.
+        out: Files to write; the suffix says what: glb, mid, csv, usdz, html, wav, mp4, gif or png.
+        at: Time of a png in seconds from the start of the piece, and of the middle of a gif.
+        camera: Where a video or a picture is seen from.
+        quality: Of a video or a picture.
+    """
+
+    recording: Recording
+    out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE..."), tyro.conf.Positional]
+    at: float = 0.0
+    camera: Camera = "front"
+    quality: Quality = "fast"
+
+    def run(self) -> None:
+        """Do what the command says."""
+        from roboguitarist import cli_export  # noqa: PLC0415
+
+        cli_export.export(self)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -218,6 +268,8 @@ Command = (
     | Annotated[Train, tyro.conf.subcommand("train")]
     | Annotated[Finger, tyro.conf.subcommand("finger")]
     | Annotated[Convert, tyro.conf.subcommand("convert")]
+    | Annotated[View, tyro.conf.subcommand("view")]
+    | Annotated[Export, tyro.conf.subcommand("export")]
     | Annotated[Pieces, tyro.conf.subcommand("pieces")]
 )
 
@@ -253,6 +305,7 @@ def main(args: Sequence[str] | None = None) -> int:
 
 
 def parse(args: Sequence[str]) -> Play | Evaluate | Train | Finger | Convert | Pieces:
+def parse(args: Sequence[str]) -> Play | Evaluate | Train | Finger | View | Export | Pieces:
     """The command that the arguments ask for.
 
     Raises:

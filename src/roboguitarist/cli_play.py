@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
     from roboguitarist.alignment import Miss
     from roboguitarist.cli import Convert, Evaluate, Finger, Options, Play, Reading
+    from roboguitarist.cli import Evaluate, Export, Finger, Options, Play
     from roboguitarist.metrics import Metrics
     from roboguitarist.performance import Performance
 
@@ -63,7 +64,7 @@ class Playing:
 
 
 def play(command: Play) -> None:
-    """Write a score's recording, sound, metrics and video, and print the metrics.
+    """Write a score's recording, sound, metrics, web page and video, and print the metrics.
 
     Raises:
         RoboGuitaristError: If the score cannot be used or the files cannot be written.
@@ -73,7 +74,7 @@ def play(command: Play) -> None:
     seconds: dict[str, float] = {}
     performance = perform(name, tablature, command, seconds)
 
-    from roboguitarist import sound  # noqa: PLC0415
+    from roboguitarist import sound, viewer  # noqa: PLC0415
 
     start = time.perf_counter()
     samples = sound.synthesize(performance)
@@ -82,10 +83,11 @@ def play(command: Play) -> None:
     performance.save(paths["npz"])
     sound.write_wav(paths["wav"], samples)
     write_json(paths["json"], playing.as_dict())
+    viewer.write_page(performance, paths["html"], samples)
     print(cli_report.metrics_table([playing.row()]))
     for line in cli_report.shortened(map(str, playing.misses)):
         print(line)
-    if command.no_video or not film(paths["mp4"], performance, samples, command.camera):
+    if command.no_video or not film(paths["mp4"], performance, command, samples):
         del paths["mp4"]
     print("Written:", ", ".join(map(str, paths.values())))
 
@@ -220,7 +222,7 @@ def load_mujoco() -> None:
 @contextmanager
 def progress_bar(name: str) -> Iterator[Callable[[float], None]]:
     """A bar on stderr, if that is a terminal, and what to call with the share that is done."""
-    layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}"
+    layout = "{desc} {percentage:3.0f}%|{bar}| {elapsed}<{remaining}"
     with tqdm(total=100, desc=name, bar_format=layout, disable=None, leave=False) as bar:
 
         def show(share: float) -> None:
@@ -247,7 +249,9 @@ def assess(
     return Playing(name, performance, measured, alignment.misses(performance))
 
 
-def film(path: Path, performance: Performance, samples: np.ndarray, camera: str) -> bool:
+def film(
+    path: Path, performance: Performance, options: Play | Export, samples: np.ndarray | None = None
+) -> bool:
     """Make the video; on a machine that cannot, say what is missing and go on.
 
     Returns:
@@ -260,7 +264,14 @@ def film(path: Path, performance: Performance, samples: np.ndarray, camera: str)
 
     try:
         with progress_bar(path.name) as progress:
-            video.render(performance, path, camera=camera, samples=samples, progress=progress)
+            video.render(
+                performance,
+                path,
+                options.camera,
+                quality=options.quality,
+                samples=samples,
+                progress=progress,
+            )
     except video.UnavailableError as error:
         print(f"roboguitarist: no video: {error}", file=sys.stderr)
         return False
@@ -274,7 +285,9 @@ def output_paths(folder: Path, name: str, score: str) -> dict[str, Path]:
         RoboGuitaristError: If the folder cannot be written, or an output would replace the score.
     """
     check_folder(folder)
-    paths = {suffix: folder / f"{name}.{suffix}" for suffix in ("npz", "wav", "json", "mp4")}
+    paths = {
+        suffix: folder / f"{name}.{suffix}" for suffix in ("npz", "wav", "json", "html", "mp4")
+    }
     for path in paths.values():
         if path.exists() and Path(score).exists() and path.samefile(score):
             raise RoboGuitaristError(f"{path} would replace the score (choose another --out)")
