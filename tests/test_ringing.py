@@ -3,7 +3,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 from builders import perfect, tablatures
 from roboguitarist.performance import DEAD
@@ -23,6 +23,7 @@ def test_a_string_rings_until_it_is_plucked_again_or_let_go():
 
 
 @given(tablatures())
+@settings(deadline=None)
 def test_every_pluck_rings_and_no_string_rings_twice_at_once(tablature):
     found = rings(perfect(tablature))
     assert len(found) == len(tablature.notes)

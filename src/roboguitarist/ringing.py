@@ -9,8 +9,10 @@ import numpy as np
 
 from roboguitarist.guitar import STRINGS
 from roboguitarist.performance import DEAD, Performance
+from roboguitarist.sound.damping import LN_60_DB
 from roboguitarist.sound.events import NO_PLUCK, Event, string_events
-from roboguitarist.sound.strings import LN_60_DB, decay_s, strength
+from roboguitarist.sound.strings import strength
+from roboguitarist.sound.voices import tone
 
 WIDEST_M = 0.0022
 """Half the width of the swing after the strongest pluck, wider than real to be seen from afar."""
@@ -57,8 +59,7 @@ def rings(performance: Performance) -> tuple[Ring, ...]:
 def _ring(performance: Performance, string: int, event: Event, following: Event) -> Ring:
     dead = event.fret == DEAD
     fret = 0 if dead else int(event.fret)
-    pitch = performance.tablature.tuning[string - 1] + fret
-    fades_s = DEAD_DECAY_S if dead else decay_s(440.0 * 2 ** ((pitch - 69) / 12))
+    fades_s = DEAD_DECAY_S if dead else tone(performance, string, fret).decay_s()
     end_s = min(following.time_s, event.time_s + fades_s)
     width = WIDEST_M * strength(float(performance.pluck_speed_m_s[event.pluck]))
     return Ring(event.time_s, end_s, string, fret, width, fades_s)

@@ -4,7 +4,7 @@ from io import BytesIO
 import mido
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 from builders import perfect, tablatures, with_pluck, without_plucks
 from roboguitarist import export
@@ -61,6 +61,7 @@ def test_faster_plucks_are_louder():
 
 
 @given(tablatures())
+@settings(deadline=None)
 def test_a_perfect_performance_gives_the_tablature_back(tablature):
     buffer = BytesIO()
     midi(perfect(tablature)).save(file=buffer)

@@ -91,7 +91,7 @@ def _add_light(spec: mujoco.MjSpec) -> None:
         type=mujoco.mjtTexture.mjTEXTURE_SKYBOX,
         builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT,
         rgb1=(0.90, 0.89, 0.87),
-        rgb2=(0.66, 0.66, 0.66),
+        rgb2=(0.78, 0.77, 0.75),
         width=256,
         height=256,
     )

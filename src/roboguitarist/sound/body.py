@@ -1,4 +1,4 @@
-"""The guitar's body: modes that the strings' force on the bridge sets ringing."""
+"""The guitar's body, whose modes the strings' force on the bridge sets ringing, and a room."""
 
 from __future__ import annotations
 
@@ -27,6 +27,11 @@ DIRECT = 0.8
 CUT_HZ = 95.0
 """Below its air mode the body hardly radiates."""
 LENGTH_S = 0.35
+ROOM_S, ROOM_DELAY_S = 0.5, 0.012
+"""Time for 60 dB of decay of a small room, and what its first echo comes later."""
+ROOM_GAIN = 0.004
+"""Of the room beside `DIRECT`: heard as air around the guitar, not as a hall."""
+ROOM_DULL_HZ = 4000.0
 
 
 @lru_cache(maxsize=4)
@@ -47,8 +52,19 @@ def response(rate_hz: int) -> np.ndarray:
             out += sides * _mode(time_s, frequency_hz, HIGH_QUALITY, rate_hz)
     out *= np.cos(np.linspace(0, np.pi / 2, len(time_s)))
     out[:, 0] += DIRECT
+    out = np.hstack([out, np.zeros((2, round((ROOM_S - LENGTH_S) * rate_hz)))])
+    out += _room(out.shape[1], rate_hz, rng)
     cut = butter(2, CUT_HZ, "highpass", fs=rate_hz, output="sos")
     return np.asarray(sosfilt(cut, out), np.float32)
+
+
+def _room(n_samples: int, rate_hz: int, rng: np.random.Generator) -> np.ndarray:
+    """Echoes too dense to be told apart, different on both sides, (2, n)."""
+    time_s = np.arange(n_samples) / rate_hz
+    echoes = rng.standard_normal((2, n_samples)) * np.exp(-np.log(1000) / ROOM_S * time_s)
+    echoes[:, time_s < ROOM_DELAY_S] = 0.0
+    dull = butter(1, min(ROOM_DULL_HZ, 0.45 * rate_hz), fs=rate_hz, output="sos")
+    return ROOM_GAIN * np.asarray(sosfilt(dull, echoes))
 
 
 def _mode(time_s: np.ndarray, frequency_hz: float, quality: float, rate_hz: int) -> np.ndarray:

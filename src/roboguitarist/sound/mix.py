@@ -12,6 +12,7 @@ from roboguitarist import storage
 from roboguitarist.guitar import STRINGS
 from roboguitarist.performance import Performance
 from roboguitarist.sound.body import radiate
+from roboguitarist.sound.sympathy import sympathetic
 from roboguitarist.sound.voices import string_voices
 
 TAIL_S = 1.5
@@ -41,13 +42,14 @@ def synthesize(performance: Performance, rate_hz: int = 44100) -> np.ndarray:
             is not known.
     """
     last_s = max([0.0, *performance.time_s[-1:], *performance.pluck_time_s[-1:]])
-    force = np.zeros((2, round((last_s + TAIL_S) * rate_hz)), np.float32)
-    for string in STRINGS:
-        angle = (1 + WIDTH * (3.5 - int(string)) / 2.5) * np.pi / 4
-        for start, voice in string_voices(performance, int(string), rate_hz, force.shape[1]):
-            force[0, start : start + len(voice)] += np.cos(angle) * voice
-            force[1, start : start + len(voice)] += np.sin(angle) * voice
-    sound = GAIN * radiate(force, rate_hz).T
+    force = np.zeros((6, round((last_s + TAIL_S) * rate_hz)), np.float32)
+    for string in STRINGS.tolist():
+        for start, voice in string_voices(performance, string, rate_hz, force.shape[1]):
+            force[string - 1, start : start + len(voice)] += voice
+    along = sympathetic(performance, force, rate_hz)
+    angles = (1 + WIDTH * (3.5 - STRINGS) / 2.5) * np.pi / 4
+    sides = np.stack([np.cos(angles), np.sin(angles)]).astype(np.float32)
+    sound = GAIN * radiate(sides @ force + float(np.sqrt(0.5)) * along, rate_hz).T
     fade = round(FADE_S * rate_hz)
     sound[-fade:] *= np.cos(np.linspace(0, np.pi / 2, fade, dtype=np.float32))[:, None] ** 2
     return limited(sound, rate_hz)

@@ -1,14 +1,16 @@
 """One string: a Karplus-Strong loop, excited by plucks.
 
 The loop is y[n] = x[n] + sum_k h[k] y[n - N - k]: a round trip along the string delays by one
-period and loses a little. The kernel h is a sampled Gaussian. Its width is the loss, growing
-with the square of the frequency; its centre, between samples, tunes the string; and as its taps
-are positive and add up to less than 1, no frequency can grow.
+period and loses a little. The kernel h is a sampled Gaussian. Its sum is the loss of the
+fundamental, as `damping` has it; its width is what higher partials lose beside that, growing with
+the square of the frequency and right at 3 kHz where sampling allows; its centre, between samples,
+tunes the string; and as its taps are positive and add up to less than 1, no frequency can grow.
 
 After K. Karplus and A. Strong, "Digital synthesis of plucked-string and drum timbres", and
 D. Jaffe and J. Smith, "Extensions of the Karplus-Strong plucked-string algorithm", both Computer
-Music Journal 7(2), 1983. Decay times and colours are chosen to be plausible for nylon strings, not
-measured on any.
+Music Journal 7(2), 1983; the two polarisations after M. Karjalainen, V. Välimäki and T. Tolonen,
+"Plucked-string models: from the Karplus-Strong algorithm to digital waveguides and beyond", the
+same 22(3), 1998.
 """
 
 from __future__ import annotations
@@ -20,13 +22,16 @@ import numpy as np
 from scipy.signal import lfilter
 
 from roboguitarist.errors import RoboGuitaristError
+from roboguitarist.sound.damping import LN_60_DB, Tone
 
-DECAY_110_HZ_S = 5.5
-"""Time for a decay of 60 dB of a string at 110 Hz, of the loss common to all its partials."""
-DECAY_3_KHZ_S = 0.5
-"""Time for a decay of 60 dB at 3 kHz, of the loss that grows with frequency squared."""
+BRIGHT_HZ = 3000.0
+"""Where, beside the fundamental, the loss is right."""
+ALONG = 0.15
+"""How loud the polarisation along the top is beside that across it, at the start."""
 MIN_VARIANCE = 0.25
 """Least variance of the kernel in samples squared; below it the Gaussian is undersampled."""
+GREATEST_SUM = 1 - 1e-6
+"""Of a kernel's taps; less than 1, so that no frequency grows."""
 MAX_HALF_WIDTH = 5
 """Most taps on either side of the kernel's middle; numpy convolves up to 11 taps fastest."""
 DEAD_DECAY_S = 0.025
@@ -35,7 +40,6 @@ HALF_SPEED_M_S = 0.3
 """Pluck speed that gives half of the greatest loudness."""
 SILENCE = 1e-5
 """Excitations weaker than this are not worth computing."""
-LN_60_DB = np.log(1000.0)
 BLOCK = 200
 """Samples from which on longer blocks save no more time."""
 
@@ -49,12 +53,14 @@ class Loop:
         delay: Whole samples N of delay before the first tap.
         kernel: (K,) taps h, positive, adding up to less than 1.
         audible: Samples after which nothing is heard, 96 dB below the start.
+        lingering: How much slower, per sample, the polarisation along the top dies away.
     """
 
     period: float
     delay: int
     kernel: np.ndarray
     audible: int
+    lingering: float = 0.0
 
 
 MUTE = Loop(1.0, BLOCK, np.zeros(1), 0)
@@ -62,20 +68,20 @@ MUTE = Loop(1.0, BLOCK, np.zeros(1), 0)
 
 
 @lru_cache(maxsize=512)
-def tuned_loop(frequency_hz: float, rate_hz: int) -> Loop:
-    """Loop that rings at `frequency_hz`.
+def tuned_loop(tone: Tone, rate_hz: int) -> Loop:
+    """Loop that rings as a string does.
 
-    The centre of the kernel is corrected until the phase delay of the whole loop at the
-    fundamental is one period.
+    The centre and the sum of the kernel are corrected until the phase delay of the whole loop at
+    the fundamental is one period and its loss there that of the tone.
 
     Raises:
         RoboGuitaristError: If the sampling rate is too low for this frequency.
     """
+    frequency_hz = tone.frequency_hz
     period = rate_hz / frequency_hz
     omega = 2 * np.pi / period
-    common = np.exp(-LN_60_DB / (decay_s(frequency_hz) * frequency_hz))
-    steepness = 2 * LN_60_DB / (DECAY_3_KHZ_S * frequency_hz)
-    variance = max(steepness * (rate_hz / (2 * np.pi * 3000.0)) ** 2, MIN_VARIANCE)
+    gain = np.exp(-float(tone.decay_rate(frequency_hz)) / frequency_hz)
+    variance = _variance(tone, rate_hz)
     half = min(int(np.ceil(4 * np.sqrt(variance))), MAX_HALF_WIDTH)
     delay = round(period) - half
     if delay < 1:
@@ -86,16 +92,20 @@ def tuned_loop(frequency_hz: float, rate_hz: int) -> Loop:
     kernel = np.empty(0)
     for _ in range(4):
         kernel = np.exp(-((taps - centre) ** 2) / (2 * variance))
-        kernel *= common / kernel.sum()
-        phase_delay = half - np.angle(kernel @ np.exp(-1j * omega * (taps - half))) / omega
-        centre += wanted - phase_delay
-    audible = round(1.6 * decay_s(frequency_hz) * rate_hz)
-    return Loop(period, delay, kernel, audible)
+        response = kernel @ np.exp(-1j * omega * (taps - half))
+        kernel *= min(gain / abs(response), GREATEST_SUM / kernel.sum())
+        centre += wanted - (half - np.angle(response) / omega)
+    audible = round(1.6 * tone.decay_s(across=False) * rate_hz)
+    lingering = (tone.bridge_rate() - tone.bridge_rate(across=False)) / rate_hz
+    return Loop(period, delay, kernel, audible, lingering)
 
 
-def decay_s(frequency_hz: float) -> float:
-    """Time for 60 dB of decay by the loss common to all partials of a note; longer in the bass."""
-    return DECAY_110_HZ_S * (110.0 / frequency_hz) ** 0.35
+def _variance(tone: Tone, rate_hz: int) -> float:
+    """Of the kernel in samples squared, for the loss at `BRIGHT_HZ` beside the fundamental's."""
+    rates = tone.decay_rate(np.array([tone.frequency_hz, BRIGHT_HZ]))
+    omegas = 2 * np.pi * np.array([tone.frequency_hz, BRIGHT_HZ]) / rate_hz
+    steepness = 2 * np.diff(rates)[0] / np.diff(np.square(omegas))[0]
+    return max(float(steepness / tone.frequency_hz), MIN_VARIANCE)
 
 
 def ring(loop: Loop, excitation: np.ndarray, length: int) -> np.ndarray:
@@ -121,6 +131,20 @@ def ring(loop: Loop, excitation: np.ndarray, length: int) -> np.ndarray:
         y[start:stop] += np.convolve(earlier, kernel, "valid")
         start = stop
     return y[before:]
+
+
+def two_polarisations(loop: Loop, across: np.ndarray) -> np.ndarray:
+    """A string that moves along the top too, where the bridge yields less and it rings longer.
+
+    As the bridge takes the same rate from every partial, the second motion is the first, weaker and
+    with that rate given back.
+
+    Args:
+        loop: The string.
+        across: (n,) its motion across the top, as `ring` gives it.
+    """
+    grown = np.exp(loop.lingering * np.arange(len(across)))
+    return across * ((1 + ALONG * grown) / (1 + ALONG))
 
 
 def pluck_excitation(

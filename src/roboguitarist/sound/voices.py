@@ -8,10 +8,10 @@ from itertools import pairwise
 import numpy as np
 
 from roboguitarist import guitar
-from roboguitarist.performance import DEAD, Performance
-from roboguitarist.sound.events import NO_PLUCK, Event, string_events
+from roboguitarist.performance import DEAD, PRESS_THRESHOLD_N, Performance
+from roboguitarist.sound.damping import LN_60_DB, Tone
+from roboguitarist.sound.events import NO_PLUCK, Event, Move, string_events
 from roboguitarist.sound.strings import (
-    LN_60_DB,
     MUTE,
     SILENCE,
     Loop,
@@ -19,14 +19,19 @@ from roboguitarist.sound.strings import (
     pluck_excitation,
     ring,
     tuned_loop,
+    two_polarisations,
 )
 
 TOUCH_S = 0.012
 """How long the plucking finger lies on the string before it lets go."""
 STOP_S = 0.05
 """Time for 60 dB of decay of a string that a finger stops."""
-SLIDE_GAIN = 0.35
+KEPT = {Move.HAMMER_ON: 0.5, Move.PULL_OFF: 0.45, Move.SLIDE: 0.35, Move.DAMP: 0.0}
 """What is left of a ringing that the left hand takes to another fret."""
+FIRM_N = 1.6
+"""Press force from which on a fretted string does not buzz; below, it meets the wire."""
+BUZZ = 4.0
+"""Strength of the worst buzz."""
 
 
 def string_voices(
@@ -44,7 +49,7 @@ def string_voices(
     before, before_start = np.zeros(0), 0
     for event, following in pairwise(events):
         start = round(event.time_s * rate_hz)
-        if event.damps or start >= n_samples:
+        if event.move is Move.DAMP or start >= n_samples:
             continue
         loop = _loop(performance, string, event.fret, rate_hz)
         left = before[start - before_start :]
@@ -53,7 +58,8 @@ def string_voices(
             continue
         free = max(round(min(_touched_s(following) * rate_hz, n_samples)) - start, 0)
         length = min(free + round(1.5 * STOP_S * rate_hz), n_samples - start)
-        before, before_start = ring(loop, excitation, length), start
+        before, before_start = two_polarisations(loop, ring(loop, excitation, length)), start
+        before += _buzz(performance, string, event, before, rate_hz)
         stopped = before[free:]
         stopped *= np.exp(-LN_60_DB / STOP_S / rate_hz * np.arange(len(stopped)))
         yield start, before
@@ -67,8 +73,15 @@ def _touched_s(event: Event) -> float:
 def _loop(performance: Performance, string: int, fret: int, rate_hz: int) -> Loop:
     if fret == DEAD:
         return MUTE
+    return tuned_loop(tone(performance, string, fret), rate_hz)
+
+
+def tone(performance: Performance, string: int, fret: int) -> Tone:
+    """A string (1 to 6) of a performance as it sounds at a fret counted from the nut."""
+    board = guitar.preset(performance.guitar)
     pitch = performance.tablature.tuning[string - 1] + fret
-    return tuned_loop(440.0 * 2 ** ((pitch - 69) / 12), rate_hz)
+    length_m = board.scale_length_m - float(board.fret_x(fret))
+    return Tone(string, 440.0 * 2 ** ((pitch - 69) / 12), length_m)
 
 
 def _excitation(
@@ -77,7 +90,7 @@ def _excitation(
     """What starts a voice: a pluck, and what is left of the voice before."""
     grain = _grain(left, loop.period)
     if event.pluck == NO_PLUCK:
-        return SLIDE_GAIN * grain
+        return KEPT[event.move or Move.SLIDE] * grain
     rng = np.random.default_rng([abs(performance.seed), event.pluck])
     speed = float(performance.pluck_speed_m_s[event.pluck])
     if event.fret == DEAD:
@@ -87,6 +100,34 @@ def _excitation(
     out[: len(burst)] = burst
     out[: len(grain)] += grain
     return out
+
+
+def _buzz(
+    performance: Performance, string: int, event: Event, voice: np.ndarray, rate_hz: int
+) -> np.ndarray | float:
+    """What a string adds that is pressed just enough to sound: it beats on the wire.
+
+    The string meets the wire at the top of its swing; the swing must be wide for that, so the
+    buzz ends before the tone does.
+    """
+    force_n = _press_force_n(performance, string, event)
+    if event.pluck == NO_PLUCK or not PRESS_THRESHOLD_N <= force_n < FIRM_N:
+        return 0.0
+    worst = (FIRM_N - force_n) / (FIRM_N - PRESS_THRESHOLD_N)
+    peak = np.abs(voice[: rate_hz // 20]).max(initial=0.0)
+    beyond = np.maximum(voice - 0.3 * peak, 0.0)
+    return BUZZ * worst * np.diff(beyond, n=2, prepend=[0.0, 0.0])
+
+
+def _press_force_n(performance: Performance, string: int, event: Event) -> float:
+    """Force behind the fret at the tick nearest to an event, 0 for an open string."""
+    if event.fret <= performance.tablature.capo or not performance.time_s.size:
+        return 0.0
+    tick = int(np.argmin(np.abs(performance.time_s - event.time_s)))
+    force_n = performance.press_force_n
+    return (
+        float(force_n[tick, string - 1, event.fret - 1]) if event.fret <= force_n.shape[2] else 0.0
+    )
 
 
 def _grain(left: np.ndarray, period: float) -> np.ndarray:

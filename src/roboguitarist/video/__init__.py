@@ -18,10 +18,11 @@ from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.looks import CAMERAS
 from roboguitarist.performance import Performance
 from roboguitarist.replay import LEAD_S, frame_times
-from roboguitarist.video.canvas import Canvas, View
+from roboguitarist.video.canvas import View
 from roboguitarist.video.errors import UnavailableError
 from roboguitarist.video.movie import RATE_HZ, film
 from roboguitarist.video.overlay import STRIP_SHARE, Overlay, image
+from roboguitarist.video.playback import Playback
 
 __all__ = ["LEAD_S", "UnavailableError", "render", "still", "write_gif", "write_still"]
 
@@ -68,11 +69,11 @@ def render(
     overlay = Overlay(performance, size, _insets(camera, size))
     main = _over_strip(camera, size)
     with (
-        closing(_canvas(performance, size, quality)) as canvas,
+        closing(Playback(performance, size, quality == "high")) as playback,
         film(path, size, fps, replay.sound_from(times[0], samples, RATE_HZ)) as movie,
     ):
         for done, time_s in enumerate(times.tolist(), start=1):
-            picture = _picture(performance, canvas, time_s, [main, *overlay.insets])
+            picture = playback.picture(time_s, [main, *overlay.insets])
             movie.add(overlay.draw(picture, time_s))
             if progress:
                 progress(done / len(times))
@@ -105,12 +106,12 @@ def still(
         RoboGuitaristError: If an argument is not one of those above.
     """
     _check(camera, size)
-    with closing(_canvas(performance, size, quality)) as canvas:
+    with closing(Playback(performance, size, quality == "high")) as playback:
         if not overlay:
-            return _picture(performance, canvas, time_s, [View(camera, (0, 0, *size))])
+            return playback.picture(time_s, [View(camera, (0, 0, *size))])
         over = Overlay(performance, size, _insets(camera, size))
         views = [_over_strip(camera, size), *over.insets]
-        return over.draw(_picture(performance, canvas, time_s, views), time_s)
+        return over.draw(playback.picture(time_s, views), time_s)
 
 
 def write_still(
@@ -161,10 +162,9 @@ def write_gif(
     times = time_s + np.arange(-length_s / 2, length_s / 2, 1 / fps)
     overlay = Overlay(performance, size, _insets(camera, size))
     views = [_over_strip(camera, size), *overlay.insets]
-    with closing(_canvas(performance, size, quality)) as canvas:
+    with closing(Playback(performance, size, quality == "high")) as playback:
         first, *others = (
-            image(overlay.draw(_picture(performance, canvas, at_s, views), at_s))
-            for at_s in times.tolist()
+            image(overlay.draw(playback.picture(at_s, views), at_s)) for at_s in times.tolist()
         )
     with storage.replacing(path) as temporary:
         first.save(
@@ -178,10 +178,6 @@ def _check(camera: str, size: tuple[int, int]) -> None:
     if min(size) < 2 or max(size) > 8192 or any(length % 2 for length in size):
         width, height = size
         raise RoboGuitaristError(f"no video of {width}x{height} (give even numbers up to 8192)")
-
-
-def _canvas(performance: Performance, size: tuple[int, int], quality: Quality) -> Canvas:
-    return Canvas(replay.scene(performance), size, high=quality == "high")
 
 
 def _over_strip(camera: str, size: tuple[int, int]) -> View:
@@ -200,9 +196,3 @@ def _insets(camera: str, size: tuple[int, int]) -> tuple[View, ...]:
         View(name, (width - (place + 1) * (inset[0] + gap), gap, *inset))
         for place, name in enumerate(names)
     )
-
-
-def _picture(
-    performance: Performance, canvas: Canvas, time_s: float, views: Sequence[View]
-) -> np.ndarray:
-    return canvas.draw(replay.postures(performance, np.array([time_s]))[0], views)

@@ -28,6 +28,23 @@ class View:
     rect: tuple[int, int, int, int]
 
 
+@dataclass(frozen=True)
+class Blur:
+    """A translucent ellipsoid in the world.
+
+    Attributes:
+        centre: (3,) in metres.
+        half_size: Half its lengths along its own axes, in metres.
+        turn: (3, 3) rotation from its axes to the world's.
+        rgba: Colour, 0 to 1.
+    """
+
+    centre: np.ndarray
+    half_size: tuple[float, float, float]
+    turn: np.ndarray
+    rgba: tuple[float, float, float, float]
+
+
 def backend() -> str:
     """How to reach OpenGL: `MUJOCO_GL` if it is set, else what this machine has.
 
@@ -100,7 +117,9 @@ class Canvas:
         self._option = mujoco.MjvOption()
         self._pixels = np.empty((size[1], size[0], 3), np.uint8)
 
-    def draw(self, qpos: np.ndarray, views: Sequence[View]) -> np.ndarray:
+    def draw(
+        self, qpos: np.ndarray, views: Sequence[View], blurs: Sequence[Blur] = ()
+    ) -> np.ndarray:
         """A picture (height, width, 3) uint8 of a posture (nq,); later views cover earlier ones."""
         model, data = self._model, self._data
         data.qpos[:] = qpos
@@ -115,10 +134,24 @@ class Canvas:
             mujoco.mjv_updateScene(
                 model, data, self._option, None, camera, mujoco.mjtCatBit.mjCAT_ALL, self._scene
             )
+            for blur in blurs:
+                self._add(blur)
             mujoco.mjr_render(self._rect(view.rect), self._scene, self._drawing)
         whole = mujoco.MjrRect(0, 0, *self.size)
         mujoco.mjr_readPixels(self._pixels, None, whole, self._drawing)
         return self._pixels[::-1].copy()
+
+    def _add(self, blur: Blur) -> None:
+        scene = self._scene
+        mujoco.mjv_initGeom(
+            scene.geoms[scene.ngeom],
+            mujoco.mjtGeom.mjGEOM_ELLIPSOID,
+            np.array(blur.half_size),
+            blur.centre,
+            blur.turn.ravel(),
+            np.array(blur.rgba, np.float32),
+        )
+        scene.ngeom += 1
 
     def _rect(self, rect: tuple[int, int, int, int]) -> mujoco.MjrRect:
         left, top, width, height = rect
