@@ -51,7 +51,7 @@ $(VENV)/installed: pyproject.toml | $(BIN)/python
 
 $(VENV)/dev: pyproject.toml | $(BIN)/python
 	$(PIP) install torch==2.13.0
-	$(PIP) install --editable '.[video,train,dev]'
+	$(PIP) install --editable '.[video,train,usd,dev]'
 	@touch $@ $(VENV)/installed
 
 $(VENV)/docs: pyproject.toml | $(BIN)/python

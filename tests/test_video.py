@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import os
 import sys
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,7 @@ from roboguitarist.performance import Performance
 from roboguitarist.tablature import Note, Tablature
 from roboguitarist.video import canvas, movie
 from roboguitarist.video.overlay import _MISSED, _RIGHT, STRIP_SHARE, Overlay
+from roboguitarist.video.playback import Playback
 
 SIZE, FPS = (160, 120), 20
 NOTES = (Note(0.0, 2, 1, 0.2), Note(0.2, 4, 2, 0.2, beat=2.0))
@@ -111,6 +114,49 @@ def test_a_still_is_the_same_twice_and_between_ticks(performance):
     )
     np.testing.assert_array_equal(one, two)
     assert (one != other).any()
+
+
+@pytest.mark.usefixtures("_opengl")
+def test_a_plucked_string_is_seen_to_swing(performance):
+    still = without_plucks(performance, np.array([True, True]))
+    one, other = (
+        video.still(played, 0.05, "right", size=(320, 180), quality="fast").astype(int)
+        for played in (performance, still)
+    )
+    assert 20 < (np.abs(one - other).max(axis=2) > 15).sum() < 2000
+
+
+@pytest.mark.usefixtures("_opengl")
+def test_a_gif_shows_some_seconds_and_goes_round(performance, tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    path = tmp_path / "a.gif"
+    video.write_gif(performance, path, 0.2, size=SIZE, fps=10, length_s=0.5, quality="fast")
+    with image.open(path) as gif:
+        assert gif.size == SIZE
+        assert gif.n_frames == 5
+        assert gif.info["loop"] == 0
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("_opengl", "_encoder")
+def test_a_minute_in_720p_takes_less_than_150_seconds_of_processor_time(performance, tmp_path):
+    """Drawing, writing over and encoding, by the quickest of several batches of pictures."""
+    size, fps, batch = (1280, 720), 30, 5
+    overlay = Overlay(performance, size, video._insets("front", size))
+    views = [video._over_strip("front", size), *overlay.insets]
+    spent = []
+    with (
+        closing(Playback(performance, size, high=False)) as playback,
+        movie.film(tmp_path / "a.mp4", size, fps, np.zeros((44100, 2), np.float32)) as film,
+    ):
+        for start in range(4):
+            before = os.times()
+            for k in range(batch):
+                time_s = (start * batch + k) / fps
+                film.add(overlay.draw(playback.picture(time_s, views), time_s))
+            after = os.times()
+            spent.append(after.user + after.system - before.user - before.system)
+    assert min(spent) / batch * 60 * fps < 150
 
 
 def _coloured(picture: np.ndarray, colour: tuple[int, int, int]) -> int:
