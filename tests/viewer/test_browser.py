@@ -82,6 +82,13 @@ def picture(page):
     return np.asarray(image.open(BytesIO(raw)).convert("RGB"), float)
 
 
+def plain(page):
+    """Draw as little as the page can, for tests of its clock on busy machines."""
+    page.evaluate(
+        "() => { while (roboguitarist.stage.detail > 0) roboguitarist.stage.simplify(); }"
+    )
+
+
 def place(page, time_s, view="front"):
     page.evaluate(f"roboguitarist.player.seek({time_s})")
     page.evaluate(f"roboguitarist.stage.view('{view}')")
@@ -148,6 +155,7 @@ def test_the_sound_in_the_page_begins_with_its_pluck(page, performance):
 
 
 def test_half_speed_takes_twice_as_long_at_the_same_pitch(page):
+    plain(page)
     assert page.evaluate("roboguitarist.player.audio.preservesPitch")
     page.select_option("#speed", "0.5")
     place(page, 0.5)
@@ -165,6 +173,7 @@ def test_half_speed_takes_twice_as_long_at_the_same_pitch(page):
 
 
 def test_a_loop_goes_back_to_its_first_bar(page):
+    plain(page)
     page.select_option("#loop-from", index=1)
     page.select_option("#loop-to", index=1)
     page.check("#loop")
@@ -183,7 +192,7 @@ def test_a_loop_goes_back_to_its_first_bar(page):
         }"""
     )
     page.uncheck("#loop")
-    assert max(times) < 4.3
+    assert max(times) < 4.4
     assert min(times) >= 2.0 - 0.01
     backwards = np.flatnonzero(np.diff(times) < -1)
     assert len(backwards) == 1

@@ -94,7 +94,8 @@ class _Parts:
         if body:
             properties["translation"] = model.body_pos[body].tolist()
             properties["rotation"] = np.roll(model.body_quat[body], -1).tolist()
-        geoms = np.flatnonzero((model.geom_bodyid == body) & (model.geom_group == VISUAL_GROUP))
+        own = (model.geom_bodyid == body) & (model.geom_group == VISUAL_GROUP)
+        geoms: list[int] = np.flatnonzero(own).tolist()
         apart = [geom for geom in geoms if model.geom(geom).name.endswith("_seen") and not body]
         together = [geom for geom in geoms if geom not in apart]
         if together:

@@ -61,18 +61,21 @@ def _programs() -> list[tuple[int, mido.Message]]:
 
 def _notes(performance: Performance) -> list[tuple[int, mido.Message]]:
     tablature, tempi = performance.tablature, performance.tablature.tempi
-    events = []
+    events: list[tuple[int, int, mido.Message]] = []
     for ring, speed_m_s in _sounding(performance):
         pitch = tablature.tuning[ring.string - 1] + ring.fret
         start = _ticks(ring.start_s, tempi)
         end = max(start + 1, _ticks(ring.end_s, tempi))
         loudness = strength(speed_m_s) / strength(LOUDEST_M_S)
         velocity = int(np.clip(round(127 * loudness), 1, 127))
-        note = {"channel": ring.string - 1, "note": int(pitch)}
-        events.append((start, mido.Message("note_on", velocity=velocity, **note)))
-        events.append((end, mido.Message("note_off", velocity=0, **note)))
+        channel, note = ring.string - 1, int(pitch)
+        on = mido.Message("note_on", channel=channel, note=note, velocity=velocity)
+        off = mido.Message("note_off", channel=channel, note=note, velocity=0)
+        events.append((start, 1, on))
+        events.append((end, 0, off))
     # What ends comes before what begins on the same tick.
-    return sorted(events, key=lambda event: (event[0], event[1].type == "note_on"))
+    ordered = sorted(events, key=lambda event: event[:2])
+    return [(tick, message) for tick, _, message in ordered]
 
 
 def _sounding(performance: Performance) -> list[tuple[Ring, float]]:

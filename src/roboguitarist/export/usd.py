@@ -59,6 +59,7 @@ def write_usd(
         exporter.save_scene("usdc")
         (scene,) = Path(folder).glob("scene/frames/*.usdc")
         with storage.replacing(path) as temporary:
-            UsdUtils.CreateNewUsdzPackage(str(scene), str(temporary))
+            package: Any = UsdUtils  # pxr's types know half of it
+            package.CreateNewUsdzPackage(str(scene), str(temporary))
     if progress:
         progress(1.0)

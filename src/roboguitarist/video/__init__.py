@@ -6,7 +6,7 @@ OpenGL without a window, `overlay` writes the tablature over it, `movie` encodes
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 from typing import Literal

@@ -66,7 +66,7 @@ def page(performance: Performance, samples: np.ndarray | None = None) -> str:
 
 
 def _asset(name: str) -> str:
-    return (files(__package__) / name).read_text(encoding="utf-8")
+    return (files(__name__) / name).read_text(encoding="utf-8")
 
 
 def _inert(text: str) -> str:

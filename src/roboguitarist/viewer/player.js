@@ -15,6 +15,8 @@ class Player {
     this.audio.preload = "auto";
     this.audio.preservesPitch = true;
     this.audio.src = URL.createObjectURL(sound);
+    // Pages that are hidden draw nothing, but go on playing.
+    this.audio.addEventListener("timeupdate", () => this.tick());
     this.audio.addEventListener("ended", () => this.loop && this.play(this.loop.fromS));
   }
 
