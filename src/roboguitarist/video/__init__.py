@@ -160,11 +160,13 @@ def write_gif(
     """
     _check(camera, size)
     times = time_s + np.arange(-length_s / 2, length_s / 2, 1 / fps)
-    overlay = Overlay(performance, size, _insets(camera, size))
-    views = [_over_strip(camera, size), *overlay.insets]
-    with closing(Playback(performance, size, quality == "high")) as playback:
+    drawn = (2 * size[0], 2 * size[1])  # and halved: small pictures need smooth edges
+    overlay = Overlay(performance, drawn, _insets(camera, drawn))
+    views = [_over_strip(camera, drawn), *overlay.insets]
+    with closing(Playback(performance, drawn, quality == "high")) as playback:
         first, *others = (
-            image(overlay.draw(playback.picture(at_s, views), at_s)) for at_s in times.tolist()
+            image(overlay.draw(playback.picture(at_s, views), at_s)).reduce(2)
+            for at_s in times.tolist()
         )
     with storage.replacing(path) as temporary:
         first.save(
