@@ -53,7 +53,7 @@ def opened(performance, tmp_path_factory):
     with playwright.sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         page = browser.new_page(viewport=SIZE)
-        page.set_default_timeout(120_000)
+        page.set_default_timeout(300_000)
         page.on("console", lambda message: seen["complaints"].append(message.text))
         page.on("pageerror", lambda error: seen["complaints"].append(str(error)))
         page.on("request", lambda request: seen["requests"].append(request.url))
