@@ -197,6 +197,8 @@ class Convert(Reading):
         from roboguitarist import cli_play  # noqa: PLC0415
 
         cli_play.convert(self)
+
+
 class View:
     """Make the web page of a recorded performance and show it in the browser.
 
@@ -304,8 +306,9 @@ def main(args: Sequence[str] | None = None) -> int:
     return 0
 
 
-def parse(args: Sequence[str]) -> Play | Evaluate | Train | Finger | Convert | Pieces:
-def parse(args: Sequence[str]) -> Play | Evaluate | Train | Finger | View | Export | Pieces:
+def parse(
+    args: Sequence[str],
+) -> Play | Evaluate | Train | Finger | Convert | View | Export | Pieces:
     """The command that the arguments ask for.
 
     Raises:

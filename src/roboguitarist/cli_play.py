@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from roboguitarist.alignment import Miss
-    from roboguitarist.cli import Convert, Evaluate, Finger, Options, Play, Reading
-    from roboguitarist.cli import Evaluate, Export, Finger, Options, Play
+    from roboguitarist.cli import Convert, Evaluate, Export, Finger, Options, Play, Reading
     from roboguitarist.metrics import Metrics
     from roboguitarist.performance import Performance
 
