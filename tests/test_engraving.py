@@ -32,7 +32,7 @@ def test_two_bars_and_a_chord():
         tempi=(Tempo(0.0, 120.0), Tempo(1.0, 90.4)),
         title="Study",
     )
-    head, system = render(assign(tablature)).split("\n\n")
+    head, system = render(assign(tablature, method="paper")).split("\n\n")
     assert head.splitlines()[:2] == [
         "Study",
         "tempo 90 to 120, tuning E A D G B E, fingering paper",
@@ -52,6 +52,14 @@ def test_two_bars_and_a_chord():
         "     1  3  4       1",
         "                   3",
     ]
+
+
+def test_the_difficulty_of_each_bar_is_the_sum_over_its_chords():
+    notes = [Note(t, string, fret, 0.5) for t, string, fret in ((0, 1, 1), (0, 2, 5), (2.5, 1, 9))]
+    fingering = assign(Tablature(tuple(notes), bars=(Bar(0.0, 9), Bar(2.0, 10))))
+    low, _, high = fingering.difficulty
+    last = render(fingering).split("\n\n")[-1]
+    assert last == f"Difficulty of each bar: 9:{low:.1f} 10:{high:.1f}\n"
 
 
 @given(tablatures(), st.integers(30, 120))
@@ -102,7 +110,7 @@ def test_capo_barre_dead_notes_and_harmonics_are_shown():
     ]
     text = render(assign(Tablature(tuple(notes), capo=2)))
     assert "capo at fret 2" in text
-    assert " CIII " in text
+    assert " C III " in text
     assert "x" in string_lines(text)[0]
     assert "<12>" in string_lines(text)[1]
 

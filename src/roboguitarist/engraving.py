@@ -38,7 +38,7 @@ def render(fingering: Fingering, width: int = 80) -> str:
         width: Characters in a line; only a single moment wider than this exceeds it.
 
     Returns:
-        Lines ending in a newline, the problems of the fingering last.
+        Lines ending in a newline; the difficulty of each bar and the problems come last.
     """
     names = [PITCH_NAMES[pitch % 12] for pitch in fingering.tablature.tuning]
     margin = _column(strings=[name.ljust(2) for name in names])
@@ -46,6 +46,8 @@ def render(fingering: Fingering, width: int = 80) -> str:
     for system in _systems(list(_columns(fingering)), width - len(margin[0])):
         rows = ["".join(texts).rstrip() for texts in zip(margin, *system, strict=True)]
         blocks.append("\n".join(row for row in rows if row))
+    if fingering.difficulty.any():
+        blocks.append(textwrap.fill(_difficulty(fingering), width, subsequent_indent="  "))
     if fingering.problems:
         blocks.append("\n".join(("Not as asked:", *fingering.problems)))
     return "\n\n".join(blocks) + "\n"
@@ -86,6 +88,18 @@ def _columns(fingering: Fingering) -> Iterator[Column]:
     yield _column(strings="|" * N_STRINGS, space=0)
 
 
+def _difficulty(fingering: Fingering) -> str:
+    """The cost of the left hand's steps, summed for every bar in playing order."""
+    tablature = fingering.tablature
+    onset_s = np.array([note.onset_s for note in tablature.notes])
+    new = np.diff(onset_s, prepend=-np.inf) > SIMULTANEOUS_S  # a chord is one step
+    starts_s = [bar.onset_s - SIMULTANEOUS_S for bar in tablature.bars]
+    bar = np.maximum(np.searchsorted(starts_s, onset_s, side="right") - 1, 0)
+    sums = np.bincount(bar, fingering.difficulty * new, minlength=len(starts_s))
+    cells = (f"{bar.number}:{cost:.1f}" for bar, cost in zip(tablature.bars, sums, strict=True))
+    return "Difficulty of each bar: " + " ".join(cells)
+
+
 def _usual_step_s(onset_s: np.ndarray) -> float:
     steps_s = np.diff(onset_s)
     steps_s = steps_s[steps_s > SIMULTANEOUS_S]
@@ -123,7 +137,7 @@ def _moment(
     mark, barre = "", bool(fingering.barre[chord].any())
     here = int(fingering.hold_position[chord[0]])
     if barre or (here != position and fingering.left[chord].any()):
-        position, mark = here, "C" * barre + roman(here)
+        position, mark = here, "C " * barre + roman(here)
     column = _column(
         position=mark,
         right=list(dict.fromkeys(right)),

@@ -57,7 +57,8 @@ def test_a_barre_is_one_press_over_all_its_strings():
 
 def test_fingertips_of_one_fret_are_set_apart_and_stay_in_it():
     # A major: three fingertips of 13 mm side by side in a fret space of 34 mm.
-    chord = presses_of(*(Note(0.0, string, 2, 1.0) for string in (4, 3, 2)))
+    frets = {4: 2, 3: 2, 2: 2, 1: 0}
+    chord = presses_of(*(Note(0.0, string, fret, 1.0) for string, fret in frets.items()))
     low, high = GUITAR.fret_x(1), GUITAR.fret_x(2)
     assert all(low < press.x_m < high for press in chord)
     by_finger = sorted(chord, key=lambda press: press.finger)

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import groupby, pairwise
 
-from roboguitarist.arrangement import Place, Sound, arrange, fold
 from roboguitarist.errors import TabError
+from roboguitarist.fingering.arrangement import Place, Sound, arrange, fold
 from roboguitarist.formats.play_order import expand
 from roboguitarist.formats.tempo_map import TempoMap, bar_starts, tempo_map
 from roboguitarist.formats.written import WrittenBar, WrittenNote, WrittenPart, WrittenScore
@@ -60,7 +60,7 @@ def unroll(score: WrittenScore, part: WrittenPart, warnings: Sequence[str] = ())
     if starts and seconds(starts[-1]) > MAX_DURATION_S:
         raise TabError("the piece lasts more than four hours")
     played, clashes = _one_at_a_time(_merge_unisons(_play(part, order, starts, tuning)))
-    placed, changes = _place(played, tuning, part.capo)
+    placed, changes = _place(played, tuning, part.capo, seconds)
     remarks = _warnings(score.bars, clashes + changes)
     notes = [_note(p, place, seconds, score.bars[p.note.bar].number) for p, place in placed]
     tablature = Tablature(
@@ -194,7 +194,7 @@ def _one_at_a_time(played: list[_Played]) -> tuple[list[_Played], _Remarks]:
 
 
 def _place(
-    played: list[_Played], tuning: Sequence[int], capo: int
+    played: list[_Played], tuning: Sequence[int], capo: int, seconds: TempoMap
 ) -> tuple[list[tuple[_Played, Place]], _Remarks]:
     """Give a string and a fret to notes that lack one; say what had to be changed."""
     remarks: _Remarks = []
@@ -203,7 +203,7 @@ def _place(
         note, pitch = p.note, p.pitch if p.given else fold(p.pitch, tuning, capo)
         if pitch != p.pitch:
             remarks.append((note, f"pitch {p.pitch} is out of range, {pitch} is played"))
-        times = float(p.start), float(p.end)
+        times = seconds(p.start), seconds(p.end)
         sounds.append(Sound(*times, pitch, note.string, note.fret, note.left_finger))
     placed = []
     for p, place in zip(played, arrange(sounds, tuning, capo), strict=True):

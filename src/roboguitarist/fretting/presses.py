@@ -11,7 +11,6 @@ from scipy.optimize import minimize
 from roboguitarist.fingering import Fingering
 from roboguitarist.guitar import Guitar
 from roboguitarist.hands import TIP_RADIUS_M
-from roboguitarist.tablature import Tablature
 
 MERGE_S = 0.06
 """A finger stays down between two notes on one place that are this close."""
@@ -64,7 +63,6 @@ def find_presses(fingering: Fingering, guitar: Guitar) -> tuple[tuple[Press, ...
 def _notes_down(fingering: Fingering) -> list[Press]:
     """One press for each fretted note; the notes of a barre are one press."""
     tablature, presses = fingering.tablature, {}
-    ends = _ends(tablature)
     for index, note in enumerate(tablature.notes):
         finger = int(fingering.left[index])
         if finger < 1:
@@ -75,7 +73,7 @@ def _notes_down(fingering: Fingering) -> list[Press]:
             note.string,
             fret,
             note.onset_s,
-            ends[index],
+            float(fingering.release_s[index]),
             barre_to=note.string,
             barre=bool(fingering.barre[index]),
         )
@@ -84,15 +82,6 @@ def _notes_down(fingering: Fingering) -> list[Press]:
             press = _lay_over(presses[key], press)
         presses[key] = press
     return sorted(presses.values(), key=lambda press: (press.finger, press.start_s))
-
-
-def _ends(tablature: Tablature) -> list[float]:
-    """End of each note in seconds, cut where its string is played again."""
-    ends, following = [], {}
-    for note in reversed(tablature.notes):
-        ends.append(min(note.end_s, following.get(note.string, np.inf)))
-        following[note.string] = note.onset_s
-    return ends[::-1]
 
 
 def _lay_over(barre: Press, press: Press) -> Press:

@@ -1,9 +1,11 @@
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from roboguitarist.arrangement import N_FRETS, STRETCH, Sound, arrange, fold
+from roboguitarist.fingering.arrangement import N_FRETS, STRETCH, Sound, arrange, fold
 from roboguitarist.tablature import STANDARD_TUNING
+
+steady = settings(deadline=None)
 
 PITCHES = st.integers(40, 84)
 DROP_D = (64, 59, 55, 50, 45, 38)
@@ -30,6 +32,7 @@ def pieces(draw):
     return sounds
 
 
+@steady
 @given(pieces(), st.sampled_from([STANDARD_TUNING, DROP_D]), st.integers(0, 5))
 def test_every_place_sounds_its_pitch_within_one_hands_reach(sounds, tuning, capo):
     found = arrange(sounds, tuning, capo)
@@ -38,18 +41,20 @@ def test_every_place_sounds_its_pitch_within_one_hands_reach(sounds, tuning, cap
         if place is not None:
             assert tuning[place.string - 1] + capo + place.fret == sound.pitch
             assert 0 <= place.fret <= N_FRETS - capo
-    for onset in {sound.onset for sound in sounds}:
-        shape = [p for s, p in zip(sounds, found, strict=True) if s.onset == onset and p]
+    for onset in {sound.onset_s for sound in sounds}:
+        shape = [p for s, p in zip(sounds, found, strict=True) if s.onset_s == onset and p]
         assert len({place.string for place in shape}) == len(shape)
         stopped = [place.fret for place in shape if place.fret]
         assert not stopped or max(stopped) - min(stopped) <= STRETCH
 
 
+@steady
 @given(st.lists(PITCHES, min_size=1, max_size=12))
 def test_a_single_line_loses_no_note(pitches):
     assert None not in arrange(line(*pitches))
 
 
+@steady
 @given(st.lists(st.integers(40, 79), min_size=1, max_size=8))
 def test_the_same_line_between_higher_strings_is_played_at_the_same_places(pitches):
     higher = [pitch + 2 for pitch in STANDARD_TUNING]
@@ -57,6 +62,7 @@ def test_the_same_line_between_higher_strings_is_played_at_the_same_places(pitch
     assert moved == arrange(line(*pitches))
 
 
+@steady
 @given(st.integers(0, 127), st.sampled_from([STANDARD_TUNING, DROP_D]), st.integers(0, 7))
 def test_folding_keeps_the_pitch_class_and_reaches_the_neck(pitch, tuning, capo):
     folded = fold(pitch, tuning, capo)

@@ -1,7 +1,6 @@
 import random
 from dataclasses import replace
 from itertools import combinations, permutations
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,10 +8,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from builders import tablatures
-from roboguitarist.errors import RoboGuitaristError
-from roboguitarist.fingering import UNPLAYABLE, Fingering, assign
+from roboguitarist.fingering import UNPLAYABLE, Fingering
+from roboguitarist.fingering.paper import paper
 from roboguitarist.guitar import Guitar
 from roboguitarist.tablature import Note, Tablature
+
+
+def assign(tablature: Tablature, guitar: Guitar | None = None) -> Fingering:
+    return paper(tablature, guitar or Guitar())
 
 
 def chord(frets: str, onset_s: float = 0.0, duration_s: float = 1.0) -> tuple[Note, ...]:
@@ -234,23 +237,6 @@ def test_right_fingers(
         for string, mark in zip(strings, marks, strict=True)
     ]
     assert assign(Tablature(tuple(notes[::-1]))).right[::-1].tolist() == list(expected)
-
-
-def test_an_unknown_method_lists_the_known():
-    with pytest.raises(RoboGuitaristError, match="there is paper"):
-        assign(Tablature(()), method="viterbi")
-
-
-def test_save_and_load(tmp_path: Path):
-    fingering = assign(Tablature(chord("222022")))
-    fingering.save(tmp_path / "f.npz")
-    loaded = Fingering.load(tmp_path / "f.npz")
-    assert loaded.tablature == fingering.tablature
-    assert loaded.problems == fingering.problems
-    assert loaded.method == "paper"
-    for name in ("left", "right", "barre", "hold_position"):
-        np.testing.assert_array_equal(getattr(loaded, name), getattr(fingering, name))
-        assert getattr(loaded, name).dtype == getattr(fingering, name).dtype
 
 
 def test_an_empty_piece_has_no_fingers():

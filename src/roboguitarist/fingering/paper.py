@@ -1,110 +1,25 @@
-"""Which finger plays which note: left hand 1 to 4, right hand p, i, m, a."""
+"""The paper's way to choose fingers: onset by onset, without looking ahead."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
-from itertools import combinations, pairwise, permutations, product
-from pathlib import Path
+from dataclasses import dataclass
+from itertools import combinations, permutations, product
 
 import numpy as np
 
-from roboguitarist import storage
-from roboguitarist.errors import RoboGuitaristError
-from roboguitarist.guitar import PRESETS, Guitar
+from roboguitarist.fingering.onsets import chords, excluded, released
+from roboguitarist.fingering.result import (
+    SIMULTANEOUS_S,
+    UNPLAYABLE,
+    Fingering,
+    describe,
+)
+from roboguitarist.fingering.right import by_string
+from roboguitarist.guitar import Guitar
 from roboguitarist.tablature import Note, Tablature
 
-OPEN = 0
-"""Left finger of an open string."""
-UNPLAYABLE = -1
-"""Left finger of a note that no finger can stop; the right hand still plucks it."""
-LEFT_FINGERS = ("open", "index", "middle", "ring", "little")
-RIGHT_FINGERS = ("p", "i", "m", "a")
-SIMULTANEOUS_S = 5e-6
-"""Times nearer than this are one moment: note times are rounded to whole microseconds."""
 REACH_FRETS, STRETCH_FRETS = 1, 2
 """How far from its own fret (index P, middle P + 1, ...) a finger stops a string, and at most."""
-
-
-@dataclass(frozen=True)
-class Fingering:
-    """A tablature with a finger of each hand for every note.
-
-    Attributes:
-        tablature: What is asked, with n notes.
-        left: (n,) int8, 1 index to 4 little finger, `OPEN` or `UNPLAYABLE`.
-        right: (n,) int8, 0 to 3 for p, i, m, a.
-        barre: (n,) bool, the left finger lies flat over several strings.
-        hold_position: (n,) int8, fret at which the index finger stands, from 1.
-        problems: One line, with bar and beat, for each note that cannot be fingered and for
-            each left finger marked in the file that had to be changed.
-        method: Name of the method that chose the fingers.
-    """
-
-    tablature: Tablature
-    left: np.ndarray
-    right: np.ndarray
-    barre: np.ndarray
-    hold_position: np.ndarray
-    problems: tuple[str, ...] = ()
-    method: str = "paper"
-
-    def save(self, path: str | Path) -> None:
-        """Write to an `.npz` file."""
-        storage.save(path, self, {"tablature": Tablature.to_json})
-
-    @classmethod
-    def load(cls, path: str | Path) -> Fingering:
-        """Read what `save` wrote.
-
-        Raises:
-            RoboGuitaristError: If it is not such a file.
-        """
-        loaded = storage.load(path, cls, {"tablature": Tablature.from_json})
-        return replace(loaded, problems=tuple(str(line) for line in loaded.problems))
-
-
-def describe(note: Note) -> str:
-    """A note's place in words, such as `bar 3, beat 2: string 5 fret 4`."""
-    return f"bar {note.bar}, beat {note.beat:g}: string {note.string} fret {note.fret}"
-
-
-def assign(
-    tablature: Tablature, guitar: Guitar = PRESETS["classical"], method: str = "paper"
-) -> Fingering:
-    """Choose a finger of each hand for every note.
-
-    The method `paper` goes through the notes in order of onset and never looks ahead, after
-    section 4 of "Learning to Play Guitar with Robotic Hands":
-
-    - A finger is busy until the end of its note, or until another note on the same string ends
-      that one.
-    - The hand stands at hold position P, its fingers at the frets P to P + 3. A note goes to
-      the free finger nearest to its fret. All notes of one onset are decided together, by
-      trying every assignment.
-    - Fingers do not cross: a higher fret never has a lower-numbered finger, and on one fret the
-      lower-numbered finger takes the lower-pitched string.
-
-    The paper leaves open how P moves. Here it starts at the nut (or capo), or at the lowest fret
-    of the opening notes if these do not lie within the first four; from there it shifts as
-    little as brings the stopped frets into P to P + 3. All fingers in use stay within
-    `REACH_FRETS` of their own frets, so a held note also holds the hand. Where that leaves a note
-    out, the index finger lies flat across the lowest fret of the onset (barre), or fingers
-    stretch by `STRETCH_FRETS`. A finger that has just stopped a string and fret plays it again.
-    Left fingers marked in the score are kept where a free finger can do what they say; right
-    fingers where p stays on strings 6 to 4, and i, m, a on 3 to 1 in this order.
-
-    Args:
-        tablature: What is asked.
-        guitar: Its number of frets is the limit.
-        method: `paper`.
-
-    Raises:
-        RoboGuitaristError: If there is no such method.
-    """
-    if method not in METHODS:
-        raise RoboGuitaristError(f"no fingering method {method!r} (there is {', '.join(METHODS)})")
-    return METHODS[method](tablature, guitar)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,17 +55,36 @@ class _Hand:
         return cls(position, frets, held, resting)
 
 
-def _paper(tablature: Tablature, guitar: Guitar) -> Fingering:
+def paper(tablature: Tablature, guitar: Guitar) -> Fingering:
+    """Fingers by the rules of section 4 of "Learning to Play Guitar with Robotic Hands".
+
+    - A finger is busy until the end of its note, or until another note on the same string ends
+      that one.
+    - The hand stands at hold position P, its fingers at the frets P to P + 3. A note goes to
+      the free finger nearest to its fret. All notes of one onset are decided together, by
+      trying every assignment.
+    - Fingers do not cross: a higher fret never has a lower-numbered finger, and on one fret the
+      lower-numbered finger takes the lower-pitched string.
+
+    The paper leaves open how P moves. Here it starts at the nut (or capo), or at the lowest fret
+    of the opening notes if these do not lie within the first four; from there it shifts as
+    little as brings the stopped frets into P to P + 3. All fingers in use stay within
+    `REACH_FRETS` of their own frets, so a held note also holds the hand. Where that leaves a note
+    out, the index finger lies flat across the lowest fret of the onset (barre), or fingers
+    stretch by `STRETCH_FRETS`. A finger that has just stopped a string and fret plays it again.
+    Left fingers marked in the score are kept where a free finger can do what they say; right
+    fingers where p stays on strings 6 to 4, and i, m, a on 3 to 1 in this order.
+    """
     count = len(tablature.notes)
     left, barre = np.zeros(count, np.int8), np.zeros(count, bool)
     hold_position = np.ones(count, np.int8)
     problems: list[str] = []
-    released_s = _released(tablature)
+    released_s = released(tablature)
     frets = range(tablature.capo + 1, guitar.n_frets + 1)
     position, last = _opening_position(tablature, frets), {}
-    for chord in _chords(tablature):
-        excluded = _excluded(tablature, chord, frets)
-        kept = [index for index in chord if index not in excluded]
+    for chord in chords(tablature.notes):
+        left_out = excluded(tablature, chord, frets)
+        kept = [index for index in chord if index not in left_out]
         hand = _Hand.at(tablature.notes[chord[0]].onset_s, position, frets, last)
         fingers, position = _finger(tablature, _stops(tablature, kept, released_s), kept, hand)
         for finger, stop in fingers.items():
@@ -160,37 +94,23 @@ def _paper(tablature: Tablature, guitar: Guitar) -> Fingering:
         last |= fingers
         for index in chord:
             note = tablature.notes[index]
-            if index in excluded or (note.fret and not left[index]):
+            if index in left_out or (note.fret and not left[index]):
                 left[index] = UNPLAYABLE
-            reason = excluded.get(index) or _complaint(note, int(left[index]), hand.held | fingers)
+            reason = left_out.get(index) or _complaint(note, int(left[index]), hand.held | fingers)
             if reason:
                 problems.append(f"{describe(note)}: {reason}")
-    right = _right(tablature)
-    return Fingering(tablature, left, right, barre, hold_position, tuple(problems), "paper")
-
-
-METHODS = {"paper": _paper}
-
-
-def _chords(tablature: Tablature) -> Iterator[list[int]]:
-    """Indices of the notes that start together, in order of time."""
-    chord: list[int] = []
-    for index, note in enumerate(tablature.notes):
-        if chord and note.onset_s - tablature.notes[chord[0]].onset_s > SIMULTANEOUS_S:
-            yield chord
-            chord = []
-        chord.append(index)
-    if chord:
-        yield chord
-
-
-def _released(tablature: Tablature) -> list[float]:
-    """When each note lets go of its finger: at its end, or when its string plays on."""
-    released, next_onset = [], {}
-    for note in reversed(tablature.notes):
-        released.append(min(note.end_s, next_onset.get(note.string, np.inf)))
-        next_onset[note.string] = note.onset_s
-    return released[::-1]
+    return Fingering(
+        tablature,
+        left,
+        by_string(tablature),
+        barre,
+        hold_position,
+        release_s=np.array(released_s, float),
+        strum=np.zeros(count, np.int8),
+        difficulty=np.zeros(count, np.float32),
+        problems=tuple(problems),
+        method="paper",
+    )
 
 
 def _opening_position(tablature: Tablature, frets: range) -> int:
@@ -203,21 +123,6 @@ def _opening_position(tablature: Tablature, frets: range) -> int:
                 break
             opening.add(fret)
     return min(opening) if opening and max(opening) > frets.start + 3 else frets.start
-
-
-def _excluded(tablature: Tablature, chord: list[int], frets: range) -> dict[int, str]:
-    """Notes of a chord that no hand could stop, each with the reason."""
-    excluded, taken = {}, set()
-    for index in reversed(chord):  # the highest fret of a string comes last, and is what sounds
-        note = tablature.notes[index]
-        fret = tablature.stopped_fret(note)
-        if note.string in taken:
-            excluded[index] = "the string has another note at this moment"
-        elif fret and fret not in frets:
-            excluded[index] = f"the guitar has {frets.stop - 1} frets"
-        else:
-            taken.add(note.string)
-    return excluded
 
 
 def _stops(tablature: Tablature, chord: list[int], released_s: list[float]) -> list[_Stop]:
@@ -325,22 +230,3 @@ def _complaint(note: Note, finger: int, in_use: dict[int, _Stop]) -> str | None:
     if note.left_finger is not None and note.left_finger != finger:
         return f"marked for finger {note.left_finger}, played by finger {finger}"
     return None
-
-
-def _right(tablature: Tablature) -> np.ndarray:
-    """Right fingers (n,): p on strings 6 to 4, i, m, a on 3, 2, 1, or as marked."""
-    rule = np.array([-1, 3, 2, 1, 0, 0, 0], np.int8)
-    right = rule[[note.string for note in tablature.notes]]
-    for chord in _chords(tablature):
-        notes = [tablature.notes[index] for index in chord]
-        marks = [str(note.right_finger) for note in notes]
-        wish = [
-            RIGHT_FINGERS.index(m) if m in RIGHT_FINGERS else int(f)
-            for m, f in zip(marks, right[chord], strict=True)
-        ]
-        treble = [f for f, note in zip(wish, notes, strict=True) if note.string <= 3]
-        bass = [f for f, note in zip(wish, notes, strict=True) if note.string > 3]
-        in_order = all(a > b for a, b in pairwise(treble))
-        if in_order and not any(bass) and all(treble):
-            right[chord] = wish
-    return right
