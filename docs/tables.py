@@ -7,7 +7,10 @@ import re
 from dataclasses import fields
 from pathlib import Path
 
+import phrases
+
 from roboguitarist.cli_report import table
+from roboguitarist.fingering import HANDS, Costs
 from roboguitarist.fretting.guided import CORRECTIONS
 from roboguitarist.fretting.guided import observation_blocks as guided_blocks
 from roboguitarist.fretting.paper import ACTION_LIMITS, Actions, observation_blocks
@@ -24,16 +27,33 @@ def write(folder: Path) -> None:
         "action": action(),
         "corrections": corrections(),
         "guided": guided(),
+        "costs": costs(),
     }
     for name, text in tables.items():
         (folder / f"{name}.md").write_text(text + "\n", encoding="utf-8")
+    for name in phrases.PHRASES:
+        (folder / f"phrase-{name}.txt").write_text(phrases.rendered(name), encoding="utf-8")
+
+
+def meanings_of(kind: type) -> dict[str, str]:
+    """What a docstring says of its attributes, by their names as they stand there."""
+    text = (inspect.getdoc(kind) or "").partition("Attributes:\n")[2]
+    entries = re.sub(r"\n {8,}", " ", text).splitlines()  # what is indented further goes on
+    return dict(entry.strip().split(": ", 1) for entry in entries if entry.strip())
+
+
+def costs() -> str:
+    """Names and meanings of the fingering's costs, with their weights for either hand."""
+    rows = [("term", "counts", "human", "robot")]
+    for name, meaning in meanings_of(Costs).items():
+        human, robot = (f"{getattr(HANDS[hand], name):.2f}" for hand in ("human", "robot"))
+        rows.append((f"`{name}`", meaning, human, robot))
+    return table(rows, text_columns=2)
 
 
 def settings() -> str:
     """Name, default and meaning of every setting of the task."""
-    text = (inspect.getdoc(TaskConfig) or "").partition("Attributes:\n")[2]
-    entries = re.sub(r"\n {8,}", " ", text).splitlines()  # what is indented further goes on
-    meanings = dict(entry.strip().split(": ", 1) for entry in entries)
+    meanings = meanings_of(TaskConfig)
     rows = [
         (f"`{field.name}`", f"`{field.default!r}`", meanings[field.name])
         for field in fields(TaskConfig)

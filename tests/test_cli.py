@@ -12,8 +12,9 @@ import pytest
 
 from builders import moving
 from complaints import complaint
-from roboguitarist import __version__, cli_play, performance, pieces, video
+from roboguitarist import __version__, cli_play, formats, performance, pieces, video
 from roboguitarist.cli import Evaluate, Export, Finger, Pieces, Play, Train, View, main, parse
+from roboguitarist.fingering import assign
 from roboguitarist.performance import Performance
 from roboguitarist.tablature import Note, Tablature
 
@@ -110,6 +111,28 @@ def test_pieces_by_name_and_as_a_table(capsys):
     lines = capsys.readouterr().out.splitlines()
     assert len(lines) == 2 + len(pieces.PIECES)
     assert len({len(line) for line in lines}) == 1
+
+
+def test_finger_writes_the_fingers_into_a_score_that_reads_back(tmp_path, capsys):
+    out = tmp_path / "fingered.musicxml"
+    assert main(["finger", "happy-birthday", "--out", str(out)]) == 0
+    printed = capsys.readouterr().out
+    tablature = formats.load(pieces.path("happy-birthday"))
+    fingering = assign(tablature)
+    again = formats.load(out)
+    assert again.notes == fingering.marked().notes
+    assert assign(again).left.tolist() == fingering.left.tolist()
+    text = out.read_text(encoding="utf-8")
+    for tag in ("<fingering>", "<pluck>", "<string>", "<fret>"):
+        assert text.count(tag) >= len(tablature.notes) / 2, tag
+    assert main(["finger", str(out)]) == 0
+    music = slice(4, None)
+    assert capsys.readouterr().out.splitlines()[music] == printed.splitlines()[music]
+
+
+def test_finger_offers_the_papers_rule(capsys):
+    assert main(["finger", "fur-elise", "--method", "paper"]) == 0
+    assert "fingering paper" in capsys.readouterr().out
 
 
 def test_finger_prints_the_tab_and_every_piece_is_found_by_name(capsys):

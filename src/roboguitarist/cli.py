@@ -168,9 +168,17 @@ class Finger(Reading):
 
     Attributes:
         score: Score file, or name of a piece of the repertoire.
+        method: Search of the whole piece, or the paper's greedy rule.
+        hand: Whose fingers count: the simulated hand's or a guitarist's.
+        objective: Make the sum of all steps easy, or the hardest moment first.
+        out: Write the score with these fingers to this file, too (.musicxml or .json).
     """
 
     score: Score
+    method: Literal["search", "paper"] = "search"
+    hand: Literal["robot", "human"] = "robot"
+    objective: Literal["sum", "hardest"] = "sum"
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
 
     def run(self) -> None:
         """Do what the command says."""

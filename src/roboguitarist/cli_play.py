@@ -116,13 +116,18 @@ def finger(command: Finger) -> None:
     """Print a score's tablature with the fingers of both hands.
 
     Raises:
-        RoboGuitaristError: If the score cannot be used.
+        RoboGuitaristError: If the score cannot be used or the file cannot be written.
     """
     from roboguitarist import engraving, fingering  # noqa: PLC0415
 
     _, tablature = read_asked(command.score, command)
+    found = fingering.assign(
+        tablature, method=command.method, hand=command.hand, objective=command.objective
+    )
+    if command.out:
+        formats.save(command.out, found.marked())
     width = shutil.get_terminal_size().columns
-    print(engraving.render(fingering.assign(tablature), width), end="")
+    print(engraving.render(found, width), end="")
 
 
 def convert(command: Convert) -> None:
