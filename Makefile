@@ -29,6 +29,7 @@ docs: $(VENV)/docs  ## Build the documentation into docs/_build
 
 bench: $(VENV)/installed  ## Measure the published numbers into benchmarks/results
 	$(BIN)/python benchmarks/planner.py
+	$(BIN)/python benchmarks/fingering.py
 	$(BIN)/python benchmarks/strokes.py
 	$(BIN)/python benchmarks/exercises.py
 	$(BIN)/python benchmarks/speed.py
