@@ -1,5 +1,7 @@
 """What holds for every kind of file: the same piece in each, and each of them broken."""
 
+import sys
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -94,3 +96,10 @@ def test_an_unknown_suffix_cannot_be_written(tmp_path):
         with pytest.raises(TabError, match="cannot write"):
             formats.save(tmp_path / name, tablature)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_without_its_library_guitar_pro_3_to_5_says_what_to_install(files, monkeypatch):
+    monkeypatch.setitem(sys.modules, "guitarpro", None)
+    with pytest.raises(TabError, match=r"pip install 'roboguitarist\[guitarpro\]'"):
+        formats.load(files / "a.gp5")
+    assert len(formats.load(files / "a.gp").notes) == len(PIECE)
