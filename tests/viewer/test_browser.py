@@ -78,7 +78,7 @@ def picture(page):
     page.evaluate(
         "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
     )
-    raw = page.locator("#view").screenshot()
+    raw = page.screenshot(clip=page.locator("#view").bounding_box())
     return np.asarray(image.open(BytesIO(raw)).convert("RGB"), float)
 
 
@@ -109,6 +109,7 @@ def test_hands_are_drawn(page, view, hand):
 
 
 def test_the_picture_moves_with_time(page):
+    plain(page)
     place(page, 0.2)
     one = picture(page)
     place(page, 4.0)
