@@ -4,7 +4,7 @@ import pytest
 
 from builders import moving
 from complaints import complaint
-from roboguitarist import cli_export, video
+from roboguitarist import cli_export, live, video
 from roboguitarist.cli import main
 from roboguitarist.tablature import Note, Tablature
 
@@ -20,7 +20,7 @@ def recording(tmp_path):
 def test_view_makes_the_page_beside_the_recording(recording, capsys, monkeypatch):
     opened = []
     monkeypatch.setattr(cli_export.webbrowser, "open", opened.append)
-    monkeypatch.setattr(cli_export, "_has_screen", lambda: True)
+    monkeypatch.setattr(live, "has_screen", lambda: True)
     assert main(["view", str(recording)]) == 0
     page = recording.with_suffix(".html")
     assert page.read_text(encoding="utf-8").startswith("<!doctype html>")

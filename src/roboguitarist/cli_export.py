@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import sys
 import webbrowser
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -24,24 +22,17 @@ def view(command: View) -> None:
         RoboGuitaristError: If the recording cannot be used or the page cannot be written.
     """
     performance = load(command.recording)
-    if command.live:
-        from roboguitarist import live  # noqa: PLC0415
+    from roboguitarist import live, viewer  # noqa: PLC0415
 
+    if command.live:
         return live.show(performance)
-    from roboguitarist import viewer  # noqa: PLC0415
 
     path = command.out or command.recording.with_suffix(".html")
     viewer.write_page(performance, path)
     print("Written:", path)
-    if not command.no_open and _has_screen():
+    # Without a screen a browser for the terminal would take it over.
+    if not command.no_open and live.has_screen():
         webbrowser.open(path.resolve().as_uri())
-
-
-def _has_screen() -> bool:
-    """Whether a browser would open a window, rather than take over the terminal."""
-    if sys.platform in ("darwin", "win32"):
-        return True
-    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
 def export(command: Export) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 import time
 
 import mujoco
@@ -11,12 +13,21 @@ from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.performance import Performance
 
 
+def has_screen() -> bool:
+    """Whether windows can be opened."""
+    if sys.platform in ("darwin", "win32"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
 def show(performance: Performance) -> None:
     """Open a window and play a performance in it, over and over, until it is closed.
 
     Raises:
         RoboGuitaristError: If the performance does not fit its scene, or there is no screen.
     """
+    if not has_screen():  # without one, MuJoCo's viewer ends the whole process
+        raise RoboGuitaristError("no window for the live view (there is no screen)")
     model = replay.scene(performance)
     data = mujoco.MjData(model)
     times_s = replay.frame_times(performance, 60.0)
