@@ -20,8 +20,8 @@ PAPER = "#222222"
 
 def draw(figure: Figure, document: dict[str, Any], path: Path) -> None:
     """Draw a figure's document into a PNG file."""
-    wide = 2.0 + 1.1 * max(len(document["arms"]), 4)
-    _, axes = plt.subplots(figsize=(wide, 3.6), layout="constrained")
+    wide = 3.5 + 1.1 * max(len(document["arms"]), 4)
+    picture, axes = plt.subplots(figsize=(wide, 3.6), layout="constrained")
     if figure.number == 12:
         _transfer(axes, document["transfer"])
     elif figure.curve:
@@ -30,7 +30,7 @@ def draw(figure: Figure, document: dict[str, Any], path: Path) -> None:
         _bars(axes, document["arms"], figure.metric)
     axes.set(title=f"Figure {figure.number}: {figure.title}", ylim=(0, 1.02))
     axes.grid(axis="y", alpha=0.3)
-    axes.legend(fontsize=8, loc="lower right", framealpha=0.9)
+    picture.legend(fontsize=8, loc="outside right upper")
     plt.savefig(path, dpi=130, metadata={"Software": None})
     plt.close()
 

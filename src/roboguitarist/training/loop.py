@@ -68,7 +68,7 @@ class Pace:
     """
 
     FIRST_S = 15.0
-    """Before that the pace says little."""
+    """Before that the pace says little, and with less to go it is no news."""
 
     def __init__(self, total: int) -> None:
         self.total, self.begun = total, time.monotonic()
@@ -83,7 +83,7 @@ class Pace:
         now = time.monotonic()
         expected_s = self.end_s - now
         known = expected_s / 2 - 60 < self.left_s < expected_s * 2 + 60
-        if now - self.begun < self.FIRST_S or (self.end_s and known):
+        if min(now - self.begun, self.left_s) < self.FIRST_S or (self.end_s and known):
             return False
         self.end_s = now + self.left_s
         return True
