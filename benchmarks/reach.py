@@ -13,11 +13,11 @@ import sys
 from collections import Counter
 from itertools import product
 from pathlib import Path
+from typing import get_args
 
 import matplotlib as mpl
 import numpy as np
 import record
-from roboguitarist.fingering.reach import Reach
 from tqdm import tqdm
 
 from roboguitarist import cli_report
@@ -28,10 +28,11 @@ from roboguitarist.exercises.shapes import (
     POWER_CHORDS,
     Shape,
 )
+from roboguitarist.fingering.reach import Reach
 from roboguitarist.fretting.batch import HandBatch
 from roboguitarist.fretting.reach import Hold, SearchConfig, hold
 from roboguitarist.guitar import Guitar
-from roboguitarist.hands import VARIANTS, Variant
+from roboguitarist.hands import Variant
 from roboguitarist.scene import SceneConfig
 
 mpl.use("Agg")
@@ -60,7 +61,7 @@ def chords() -> list[tuple[str, Shape]]:
 def measure(hand: Variant) -> tuple[np.ndarray, list[tuple[str, Shape, Hold]]]:
     """Forces (4, 6, F) of single fingers, and how each chord was held."""
     scene = SceneConfig(hand=hand, sides=("left",), timestep_s=1 / 300, visuals=False)
-    hands = HandBatch(scene, CANDIDATES, n_threads=2)
+    hands = HandBatch(scene, CANDIDATES, n_threads=1)
     force_n = np.zeros((4, 6, Guitar().n_frets), np.float32)
     cells = list(product(range(1, 5), range(1, 7), range(1, HIGHEST_FRET + 1)))
     for finger, string, fret in tqdm(cells, desc=f"{hand}: places", disable=None):
@@ -80,10 +81,10 @@ def draw(hand: Variant, force_n: np.ndarray, held: list[tuple[str, Shape, Hold]]
     for axis, cells, name in zip(
         axes[:4], force_n[:, :, :HIGHEST_FRET], ("index", "middle", "ring", "little"), strict=True
     ):
-        image = axis.imshow(cells, vmin=0, vmax=3, cmap="viridis", aspect="auto",
+        axis.imshow(cells, vmin=0, vmax=3, cmap="viridis", aspect="auto",
                             extent=(0.5, HIGHEST_FRET + 0.5, 6.5, 0.5))  # fmt: skip
         axis.set(title=name, xlabel="fret", ylabel="string")
-    figure.colorbar(image, ax=axes[:4], label="N", fraction=0.02)
+    figure.colorbar(axes[0].images[0], ax=axes[:4], label="N", fraction=0.02)
     kinds = list(dict.fromkeys(kind for kind, _, _ in held))
     share = [np.mean([h.held for kind, _, h in held if kind == name]) for name in kinds]
     axes[4].barh(kinds, share)
@@ -115,7 +116,9 @@ def summary(force_n: np.ndarray, held: list[tuple[str, Shape, Hold]]) -> dict[st
 
 def main() -> None:
     """Measure the hands named, or all."""
-    hands = [hand for hand in VARIANTS if hand in sys.argv[1:] or not sys.argv[1:]]
+    hands: list[Variant] = [
+        hand for hand in get_args(Variant) if hand in sys.argv[1:] or not sys.argv[1:]
+    ]
     known = record.FOLDER / "reach.json"
     results = json.loads(known.read_text())["results"] if known.exists() else {}
     for hand in hands:

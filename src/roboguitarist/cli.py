@@ -207,6 +207,7 @@ class Convert(Reading):
         cli_play.convert(self)
 
 
+@dataclass(frozen=True, kw_only=True)
 class View:
     """Make the web page of a recorded performance and show it in the browser.
 

@@ -56,7 +56,7 @@ def test_contact_torque_is_the_force_times_the_jacobian():
     rng = np.random.default_rng(0)
     qpos = rng.uniform(*model.jnt_range.T, size=(3, model.nq))
     force = np.array([[2.0, 0, 0, 0], [0, 0, 0, 0], [0, 1.0, 0, 3.0]])
-    torque = contact_torque(model, qpos, force)
+    torque = contact_torque(model, qpos, force, np.zeros_like(force))
     assert not torque[1].any()
     # Virtual work: the height of the lowest point of the fingertips under a small motion.
     step, data = 1e-6 * rng.normal(size=model.nv), mujoco.MjData(model)

@@ -3,8 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from importlib import resources
+from pathlib import Path
 
 import numpy as np
+
+from roboguitarist import storage
+from roboguitarist.errors import RoboGuitaristError
 
 NEEDED_N = 2.0
 """Force that a finger should be able to hold: twice what makes a string sound."""
@@ -45,3 +50,44 @@ class Reach:
                 shape = frozenset((int(f), int(s), int(n)) for f, s, n in pressed if f > 0)
                 result[row] += shape in self.unheld
         return result
+
+    def save(self, path: str | Path) -> None:
+        """Write to an `.npz` file: the forces, and (K, 6, 2) finger and fret of unheld shapes."""
+        shapes = np.zeros((len(self.unheld), 6, 2), np.int8)
+        for shape, places in zip(shapes, sorted(map(sorted, self.unheld)), strict=True):
+            for finger, string, fret in places:
+                shape[string - 1] = finger, fret
+        with storage.replacing(path) as temporary, temporary.open("wb") as file:
+            np.savez_compressed(file, held_n=self.held_n.astype(np.float32), unheld=shapes)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Reach:
+        """Read what `save` wrote; nothing in the file is executed.
+
+        Raises:
+            RoboGuitaristError: If it is not such a file.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as arrays:
+                held_n, shapes = arrays["held_n"], arrays["unheld"]
+        except (OSError, ValueError, KeyError) as error:
+            raise RoboGuitaristError(f"{path}: not a map of reach ({error})") from error
+        unheld = (
+            frozenset(
+                (int(finger), string, int(fret))
+                for string, (finger, fret) in enumerate(shape, 1)
+                if finger
+            )
+            for shape in shapes
+        )
+        return cls(held_n, frozenset(unheld))
+
+
+def measured(variant: str) -> Reach:
+    """What a hand variant held in physics, as `benchmarks/reach.py` found it.
+
+    Raises:
+        RoboGuitaristError: If it was not measured.
+    """
+    with resources.as_file(resources.files("roboguitarist.fingering")) as folder:
+        return Reach.load(folder / f"reach-{variant}.npz")

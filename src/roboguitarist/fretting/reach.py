@@ -103,9 +103,10 @@ def planned(shape: Shape, scene: SceneConfig) -> tuple[np.ndarray, np.ndarray]:
     barre = np.array([finger in shape.barres for _, _, finger in shape.stops])
     stopped = [(fret, finger) for _, fret, finger in shape.stops if finger]
     position = max(1, min(fret - finger + 1 for fret, finger in stopped))
+    none = np.zeros(len(notes), np.int8)
     fingering = Fingering(
-        Tablature(notes), fingers, np.zeros(len(notes), np.int8), barre,
-        np.full(len(notes), position, np.int8),
+        Tablature(notes), fingers, none, barre, np.full(len(notes), position, np.int8),
+        np.full(len(notes), ONSET_S + HELD_S), none, np.zeros(len(notes)),
     )  # fmt: skip
     plan = planner.plan(fingering, scene)
     ready, middle = np.searchsorted(plan.time_s, [ONSET_S - 0.15, ONSET_S + HELD_S / 2])
