@@ -30,7 +30,7 @@ from roboguitarist.exercises.shapes import (
 )
 from roboguitarist.fingering.reach import Reach
 from roboguitarist.fretting.batch import HandBatch
-from roboguitarist.fretting.reach import Hold, SearchConfig, hold
+from roboguitarist.fretting.holds import Hold, SearchConfig, hold
 from roboguitarist.guitar import Guitar
 from roboguitarist.hands import Variant
 from roboguitarist.scene import SceneConfig

@@ -51,5 +51,5 @@ PHRASES = {
 
 def rendered(name: str) -> str:
     """The phrase as text, without the legend."""
-    blocks = engraving.render(assign(PHRASES[name]), WIDTH).split("\n\n")
+    blocks = engraving.render(assign(PHRASES[name], method="search"), WIDTH).split("\n\n")
     return "\n\n".join([blocks[0].splitlines()[0], *blocks[1:]])

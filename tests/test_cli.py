@@ -305,7 +305,7 @@ def test_a_disk_that_fills_up_while_a_file_is_written(tab, tmp_path, capsys, mon
 
 
 def test_an_interrupt_is_quiet(tab, capsys, monkeypatch):
-    def interrupted(*_):
+    def interrupted(*_, **__):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(cli_play, "read", interrupted)
@@ -314,7 +314,7 @@ def test_an_interrupt_is_quiet(tab, capsys, monkeypatch):
 
 
 def test_a_defect_of_ours_is_not_hidden(tab, monkeypatch):
-    def broken(*_):
+    def broken(*_, **__):
         raise ZeroDivisionError
 
     monkeypatch.setattr(cli_play, "read", broken)

@@ -250,3 +250,34 @@ def test_fingers_are_drawn_to_point_where_they_are_asked_to():
         mujoco.mj_kinematics(wanted.model, data)
         angles.append([data.site(name).xmat[8] for name in TIPS])
     assert np.mean(angles[1]) < np.mean(angles[0]) < 0
+
+
+@given(seeds)
+@settings(max_examples=20, deadline=None)
+def test_the_pull_of_a_flat_finger_has_the_slope_of_its_error(seed):
+    hand = solver(knuckles=KNUCKLES)
+    task, qpos = ClearanceTask(hand), near(hand.model, seed, 0.3)
+    task.aloft, task.flat = np.zeros(4), np.array([1.0, 0.0, 0.0, 0.0])
+    qpos[2] = 0.06  # the other fingers are high enough
+    configuration = mink.Configuration(hand.model, qpos)
+    error, jacobian = task.compute_error(configuration), task.compute_jacobian(configuration)
+    assert error[0] != 0
+    np.testing.assert_allclose(jacobian[0], slopes(task, hand.model, qpos)[0], atol=1e-4)
+
+
+def test_a_flat_finger_lies_on_the_strings_with_its_joints():
+    knuckles = tuple((f"lh_{f}{link}", 0.009) for f in FINGERS for link in ("middle", "distal"))
+    hand = solver(knuckles=knuckles, pointing_cost=0.3)
+    rest = playing(hand.model)
+    target = tips(hand.model, rest)
+    target[0] = 0.15, -0.022, 0.0073
+    flat = np.array([[1.0, 0.0, 0.0, 0.0]])
+    weight = np.array([[100.0, 1.0, 1.0, 1.0]])
+    wanted = TipPaths(target[None], weight, rest[None], np.zeros((1, 4)), flat)
+    posture = follow(hand, wanted)[0]
+    data = mujoco.MjData(hand.model)
+    data.qpos[:] = posture
+    mujoco.mj_kinematics(hand.model, data)
+    heights = [data.body(f"lh_ff{link}").xpos[2] for link in ("middle", "distal")]
+    assert heights == pytest.approx([0.0098] * 2, abs=0.0015)
+    assert tips(hand.model, posture)[0] == pytest.approx(target[0], abs=0.001)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from roboguitarist.guitar import PRESETS, Guitar
 from roboguitarist.hands import TIP_RADIUS_M, VARIANTS
-from roboguitarist.scene import NAILS, SceneConfig, build, build_spec
+from roboguitarist.scene import NAILS, PAD_M, SceneConfig, build, build_spec
 from roboguitarist.sensing import Stops, stops
 
 GUITAR = Guitar()
@@ -80,7 +80,7 @@ def test_strings_lie_where_the_guitar_says_and_gravity_pulls_to_the_treble_side(
         np.testing.assert_allclose(geom.pos, (middle, y, 0), atol=1e-15)
         assert geom.size[0] == GUITAR.string_radius_m
     board = scene.geom("fretboard")
-    assert board.pos[2] + board.size[2] == pytest.approx(-GUITAR.action_m)
+    assert board.pos[2] + board.size[2] == pytest.approx(-GUITAR.action_m - PAD_M)
 
 
 @pytest.mark.parametrize("hand", VARIANTS)

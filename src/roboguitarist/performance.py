@@ -13,7 +13,6 @@ import numpy as np
 from roboguitarist import plucking, policies, storage
 from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.fingering import Fingering
-from roboguitarist.fretting import planner
 from roboguitarist.fretting.pilot import Pilot
 from roboguitarist.fretting.policy import Policy
 from roboguitarist.guitar import preset
@@ -150,13 +149,12 @@ def perform(
     right = right or plucking.plan(fingering, scene)
     progress(0.2)
     model = build(scene)
-    pilot = None
+    policy = None
     if config.controller == "policy":
         policy = config.policy or policies.load(config.hand)
-        pilot = Pilot(policy, fingering, scene, model, guitar=config.guitar, plan=left)
-    left = pilot.plan if pilot else left or planner.plan(fingering, scene)
+    pilot = Pilot(policy, fingering, scene, model, guitar=config.guitar, plan=left)
     progress(0.6)
-    recording = simulate(model, left, right, lambda share: progress(0.6 + 0.4 * share), pilot)
+    recording = simulate(model, pilot.plan, right, lambda share: progress(0.6 + 0.4 * share), pilot)
     return _observe(fingering, config, scene, model, recording)
 
 

@@ -1,4 +1,5 @@
 from dataclasses import replace
+from functools import partial
 from itertools import combinations
 from pathlib import Path
 from typing import Any
@@ -10,11 +11,13 @@ from hypothesis import strategies as st
 
 from builders import tablatures
 from roboguitarist.errors import RoboGuitaristError
-from roboguitarist.fingering import HANDS, METHODS, OBJECTIVES, UNPLAYABLE, Fingering, assign
+from roboguitarist.fingering import HANDS, METHODS, OBJECTIVES, UNPLAYABLE, Fingering
+from roboguitarist.fingering import assign as assign_by
 from roboguitarist.guitar import Guitar
 from roboguitarist.tablature import Note, Tablature
 
 steady = settings(deadline=None)
+assign = partial(assign_by, method="search")
 
 TICK_S = 1e-5
 
@@ -207,13 +210,13 @@ def test_an_unknown_name_lists_the_known():
     for name, known in (("method", METHODS), ("hand", HANDS), ("objective", OBJECTIVES)):
         wrong: dict[str, Any] = {name: "viterbi"}
         with pytest.raises(RoboGuitaristError, match=rf"no .*{name} 'viterbi'") as caught:
-            assign(Tablature(()), **wrong)
+            assign_by(Tablature(()), **wrong)
         assert all(word in str(caught.value) for word in known)
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_save_and_load(tmp_path: Path, method: str):
-    fingering = assign(Tablature(chord("222022")), method=method)
+    fingering = assign_by(Tablature(chord("222022")), method=method)
     fingering.save(tmp_path / "f.npz")
     loaded = Fingering.load(tmp_path / "f.npz")
     assert loaded.tablature == fingering.tablature

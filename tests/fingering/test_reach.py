@@ -1,8 +1,13 @@
+from functools import partial
+
 import numpy as np
 
-from roboguitarist.fingering import Reach, assign
+from roboguitarist.fingering import Reach
+from roboguitarist.fingering import assign as assign_by
 from roboguitarist.fingering.reach import NEEDED_N
 from roboguitarist.tablature import Note, Tablature
+
+assign = partial(assign_by, method="search")
 
 
 def strong() -> np.ndarray:

@@ -2,6 +2,7 @@ import random
 import resource
 import time
 from dataclasses import replace
+from functools import partial
 from itertools import accumulate
 
 import numpy as np
@@ -10,7 +11,7 @@ from exhaustive import Piece
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from roboguitarist.fingering import assign
+from roboguitarist.fingering import assign as assign_by
 from roboguitarist.fingering.costs import HANDS, Costs
 from roboguitarist.fingering.given import moments
 from roboguitarist.fingering.search import search, way_terms
@@ -19,6 +20,7 @@ from roboguitarist.guitar import Guitar
 from roboguitarist.tablature import Note, Tablature
 
 steady = settings(deadline=None)
+assign = partial(assign_by, method="search")
 
 MEMORY = 3
 WEIGHTS = st.sampled_from([0.0, 0.25, 0.5, 1.0, 1.5, 3.0])

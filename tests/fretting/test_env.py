@@ -130,3 +130,17 @@ def test_pressing_is_seen_and_paid():
 def test_bad_settings_are_named(settings, message):
     with pytest.raises(RoboGuitaristError, match=message):
         FrettingEnv(TUNE, **settings)
+
+
+def test_hands_differ_where_they_are_to_and_only_there():
+    same = FrettingVectorEnv(3, "twinkle")
+    varied = FrettingVectorEnv(3, "twinkle", vary_friction=0.3, vary_gain=0.2)
+    for envs, differ in ((same, False), (varied, True)):
+        envs.reset(seed=0)
+        action = np.tile(np.linspace(-1, 1, envs.batch.n_actions, dtype=np.float32), (3, 1))
+        for _ in range(5):
+            envs.step(action)
+        assert (np.ptp(envs.batch.hands.qpos, axis=0).max() > 1e-3) == differ
+        envs.close()
+    with pytest.raises(RoboGuitaristError, match="friction"):
+        FrettingVectorEnv(1, "twinkle", vary_friction=1.5)

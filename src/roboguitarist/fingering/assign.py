@@ -31,7 +31,7 @@ MEMORY = 3
 def assign(
     tablature: Tablature,
     guitar: Guitar = PRESETS["classical"],
-    method: str = "search",
+    method: str = "paper",
     *,
     hand: str = "robot",
     objective: str = "sum",
@@ -46,7 +46,8 @@ def assign(
     Args:
         tablature: What is asked.
         guitar: Its number of frets is the limit.
-        method: `search` or `paper`.
+        method: `search`, as a guitarist would, or `paper`, which the simulated hands play better
+            so far: the default, until they can do what a guitarist does.
         hand: Whose costs count: those of the simulated hand (`robot`) or of a guitarist
             (`human`).
         objective: `sum`, or `hardest` to make the hardest moment as easy as can be first.

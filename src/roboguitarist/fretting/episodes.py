@@ -54,7 +54,13 @@ class FrettingBatch:
         if not tablatures:
             raise RoboGuitaristError("no tablature to fret (one at least)")
         self.config = config or TaskConfig()
-        self.hands = HandBatch(self.config.scene(), n_envs, self.config.control_hz, n_threads)
+        self.hands = HandBatch(
+            self.config.scene(),
+            n_envs,
+            self.config.control_hz,
+            n_threads,
+            randomisation=self.config.randomisation,
+        )
         self.task = make_task(fingered(tablatures), self.config, self.hands.model, plans)
         self.bank = self.task.bank
         self.episode, self.tick = np.zeros(n_envs, int), np.zeros(n_envs, int)
@@ -118,7 +124,7 @@ class FrettingBatch:
         failed = self.hands.step(self.task.ctrl(action, self.last_action, self.hands, self.at))
         parts, terms = self.task.reward(self.hands, self.at, action - self.last_action)
         parts[failed] = 0.0  # its energy may be anything
-        self.parts, reward = parts, parts.sum(axis=1)
+        self.parts, reward = parts, np.minimum(parts.sum(axis=1), 1.0)
         self.last_action[:], self.last_reward[:] = action, reward
         self.tick += 1
         self.played += 1

@@ -245,7 +245,8 @@ class GuidedTask:
         parts[:, :4] = WEIGHTS["finger"] * near
         parts[:, 4] = WEIGHTS["finger"] * idle + WEIGHTS["calm"] * calm
         parts += WEIGHTS["playing"] * self._shared(playing, now)
-        terms = {"playing": playing.sum(axis=1), "finger": near.sum(axis=1) + idle, "calm": calm}
+        sums = {"playing": playing.sum(axis=1), "finger": near.sum(axis=1) + idle}
+        terms = {name: np.minimum(value, 1.0) for name, value in sums.items()} | {"calm": calm}
         return parts, terms
 
     def _shared(self, playing: np.ndarray, at: Place) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""A policy at the servos: it moves the left hand tick by tick, from what the sensors say."""
+"""What moves the left hand tick by tick, from what the sensors say: a policy, or a plan alone."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Pilot:
     """Plays one piece with a policy, whichever task it was trained on.
 
     Args:
-        policy: What moves the hand, or corrects its plan.
+        policy: What moves the hand, or corrects its plan; None for the plan alone.
         fingering: What is played.
         scene: Guitar, hands and time step.
         model: A model of the scene, with the left hand first.
@@ -65,7 +65,7 @@ class Pilot:
 
     def __init__(
         self,
-        policy: Policy,
+        policy: Policy | None,
         fingering: Fingering,
         scene: SceneConfig,
         model: mujoco.MjModel,
@@ -73,7 +73,7 @@ class Pilot:
         guitar: str = "classical",
         plan: HandPlan | None = None,
     ) -> None:
-        if policy.hand != scene.hand:
+        if policy and policy.hand != scene.hand:
             raise RoboGuitaristError(
                 f"the policy is for the hand {policy.hand!r}, not for {scene.hand!r}"
             )
@@ -90,7 +90,7 @@ class Pilot:
         self._tips = np.array([columns(model, tip) for tip in LEFT_TIPS])
         self._power = power_columns(model)
         self._last = self._change = np.zeros((1, self._task.n_actions))
-        self.parts = round(PLAN_HZ / policy.control_hz)
+        self.parts = round(PLAN_HZ / config.control_hz)
         self.first = round((LEAD_IN_S - config.lead_s) * PLAN_HZ)
 
     @property
@@ -119,11 +119,14 @@ class Pilot:
             np.abs(force * velocity).sum(axis=1).mean(keepdims=True),
         )
         reward = np.zeros(1)
-        if tick:
+        if tick and self._policy:
             before = np.zeros(1, int), np.full(1, tick - 1)
             reward = self._task.reward(reading, before, self._change)[0].sum(axis=1)
         at = np.zeros(1, int), np.full(1, tick)
-        action = self._policy.act(assembled(self._task.observe(reading, at, self._last, reward)))
+        action = np.zeros_like(self._last)
+        if self._policy:
+            seen = assembled(self._task.observe(reading, at, self._last, reward))
+            action = self._policy.act(seen)
         action = self._task.taken(action, self._last)
         targets = self._task.ctrl(action, self._last, reading, at)
         self._change, self._last = action - self._last, action
@@ -132,21 +135,21 @@ class Pilot:
         return targets[0]
 
 
-def _on_stage(policy: Policy, scene: SceneConfig, guitar: str) -> TaskConfig:
+def _on_stage(policy: Policy | None, scene: SceneConfig, guitar: str) -> TaskConfig:
     """The policy's task with the scene's time step.
 
     Raises:
         RoboGuitaristError: If the plans' samples do not fill its ticks, or it begins before them.
     """
-    config = policy.task_config()
+    config = policy.task_config() if policy else TaskConfig("guided", scene.hand)
     lead_s = LEAD_IN_S if config.task == "guided" else config.lead_s
-    parts = PLAN_HZ / policy.control_hz
+    parts = PLAN_HZ / config.control_hz
     if abs(parts - round(parts)) > 1e-6 or lead_s > LEAD_IN_S:
         raise RoboGuitaristError(
-            f"a policy of {policy.control_hz:g} Hz that begins {lead_s:g} s before the piece"
+            f"a policy of {config.control_hz:g} Hz that begins {lead_s:g} s before the piece"
             f" (its ticks must be whole numbers of 1/{PLAN_HZ:g} s, at most {LEAD_IN_S:g} s before)"
         )
-    substeps = round(1.0 / (policy.control_hz * scene.timestep_s))
+    substeps = round(1.0 / (config.control_hz * scene.timestep_s))
     return replace(config, guitar=guitar, substeps=substeps, lead_s=lead_s)
 
 

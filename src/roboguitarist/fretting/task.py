@@ -8,6 +8,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from roboguitarist.errors import RoboGuitaristError
+from roboguitarist.fretting.randomisation import Randomisation
 from roboguitarist.fretting.rewards import ENERGY_COEFFICIENT, Kind
 from roboguitarist.guitar import preset
 from roboguitarist.hands import Variant
@@ -44,6 +45,10 @@ class TaskConfig:
         freedom: Lower frets on a string whose wanted fret is held are no mistakes (`paper`).
         euclidean: The plain distance to the key as finger reward, for the ablation (`paper`).
         energy_coefficient: k of equation 3 (`paper`).
+        vary_friction, vary_gain: Largest relative change of friction and of each servo's gain, from
+            hand to hand, see `randomisation.Randomisation`.
+        vary_string_height_m: Most by which the strings lie higher or lower.
+        vary_delay_s: Longest time by which servo targets come late.
     """
 
     task: TaskName = "paper"
@@ -62,6 +67,21 @@ class TaskConfig:
     freedom: bool = False
     euclidean: bool = False
     energy_coefficient: float = ENERGY_COEFFICIENT
+    vary_friction: float = 0.0
+    vary_gain: float = 0.0
+    vary_string_height_m: float = 0.0
+    vary_delay_s: float = 0.0
+
+    @property
+    def randomisation(self) -> Randomisation:
+        """How the hands differ.
+
+        Raises:
+            RoboGuitaristError: If no model can differ so.
+        """
+        return Randomisation(
+            self.vary_friction, self.vary_gain, self.vary_string_height_m, self.vary_delay_s
+        )
 
     def scene(self) -> SceneConfig:
         """The scene of the task: the left hand alone.
