@@ -124,8 +124,8 @@ class Train:
 
     Attributes:
         scores: Score files, or names of pieces of the repertoire.
-        algorithm: Learner: batch-ppo is this project's own, the others are those of sbx, droq the
-            paper's; batch-ppo if none is named.
+        algorithm: Learner: batch-ppo is this project's own, branching too, which corrects the
+            planner; the others are those of sbx, droq the paper's; batch-ppo if none is named.
         resume: Go on with the run in the folder, with the settings that it was begun with.
         out: Folder of the run; runs/SCORE-ALGORITHM if none is named.
         steps: Control ticks to learn from, over all hands.
@@ -142,7 +142,9 @@ class Train:
     scores: Annotated[
         tuple[Score, ...], tyro.conf.arg(metavar="SCORE..."), tyro.conf.Positional
     ] = ()
-    algorithm: Literal["batch-ppo", "droq", "sac", "crossq", "tqc", "ppo"] | None = None
+    algorithm: Literal["batch-ppo", "branching", "droq", "sac", "crossq", "tqc", "ppo"] | None = (
+        None
+    )
     resume: bool = False
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     steps: int | None = None

@@ -50,13 +50,13 @@ class BranchingConfig:
     steps: int = 6_000_000
     copies: int = 16
     ticks: int = 16
-    epochs: int = 3
-    minibatch: int = 1024
-    learning_rate: float = 5e-4
+    epochs: int = 2
+    minibatch: int = 2048
+    learning_rate: float = 1.5e-4
     discount: float = 0.93
-    deviation: tuple[float, float] = (0.25, 0.12)
+    deviation: tuple[float, float] = (0.1, 0.06)
     clip: float = 0.2
-    effort: float = 0.01
+    effort: float = 0.003
     hidden: int = 256
     seed: int = 0
 

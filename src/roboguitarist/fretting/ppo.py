@@ -19,10 +19,8 @@ from torch.distributions import Normal
 
 from roboguitarist.fretting.episodes import FrettingBatch
 from roboguitarist.fretting.learner import Progress
-from roboguitarist.fretting.policy import SEEN_LIMIT, Policy, settings_of
-
-LEAST_DEVIATION = 0.1
-"""Added to the deviation of what is observed: else numbers that hardly change become all noise."""
+from roboguitarist.fretting.network import Moments, exported, network
+from roboguitarist.fretting.policy import Policy
 
 
 @dataclass(frozen=True)
@@ -77,10 +75,10 @@ class PPO:
         self.rng = torch.Generator().manual_seed(config.seed)
         batch.rng = np.random.default_rng(config.seed)
         seen, acted = batch.observation_size, batch.n_actions
-        self.actor = _network(seen, config.hidden, acted, 0.01)
+        self.actor = network(seen, config.hidden, acted)
         with torch.no_grad():  # the first actions hold the hand where it begins
             list(self.actor.parameters())[-1].copy_(torch.from_numpy(batch.task.resting_action()))
-        self.critic = _network(seen, config.hidden, batch.task.credit.shape[1], 1.0)
+        self.critic = network(seen, config.hidden, batch.task.credit.shape[1], 1.0)
         self.credit = torch.tensor(batch.task.credit, dtype=torch.float32)
         self.members = torch.nn.functional.one_hot(
             torch.from_numpy(batch.task.groups), len(self.credit)
@@ -93,7 +91,7 @@ class PPO:
         self.optimiser = torch.optim.Adam(
             [*self.groups[0], *self.groups[1]], config.learning_rate, eps=1e-5
         )
-        self.count, self.mean, self.square = 1e-4, np.zeros(seen), np.ones(seen)
+        self.moments = Moments.of(seen)
 
     def learn(self) -> Iterator[Progress]:
         """Learn until the steps are done; one report for each update."""
@@ -110,16 +108,7 @@ class PPO:
 
     def policy(self) -> Policy:
         """The network as it is now, for playing."""
-        config = self.batch.config
-        layers = [layer for layer in self.actor if isinstance(layer, nn.Linear)]
-        arrays = {
-            f"{kind}_{index}": getattr(layer, kind).detach().numpy().copy()
-            for index, layer in enumerate(layers, 1)
-            for kind in ("weight", "bias")
-        }
-        mean, deviation = self._moments()
-        return Policy(mean, deviation, **arrays, task=config.task, hand=config.hand,
-                      control_hz=config.control_hz, settings=settings_of(config))  # fmt: skip
+        return exported(self.actor, self.moments, self.batch.config)
 
     def state(self) -> dict[str, Any]:
         """All that learning goes on from, the environments' state too."""
@@ -128,8 +117,7 @@ class PPO:
             "critic": self.critic.state_dict(),
             "log_deviation": self.log_deviation.data,
             "optimiser": self.optimiser.state_dict(),
-            "moments": torch.tensor(np.stack([self.mean, self.square])),
-            "count": self.count,
+            "moments": self.moments.state(),
             "steps": self.steps,
             "rng": self.rng.get_state(),
             "batch": self.batch.state(),
@@ -141,8 +129,8 @@ class PPO:
         self.critic.load_state_dict(state["critic"])
         self.log_deviation.data.copy_(state["log_deviation"])
         self.optimiser.load_state_dict(state["optimiser"])
-        self.mean, self.square = state["moments"].numpy()
-        self.count, self.steps = state["count"], state["steps"]
+        self.moments.restore(state["moments"])
+        self.steps = state["steps"]
         self.rng.set_state(state["rng"])
         self.batch.restore(state["batch"])
         self._begun = True
@@ -151,22 +139,8 @@ class PPO:
         left = 1.0 - self.steps / self.config.steps
         self.optimiser.param_groups[0]["lr"] = self.config.learning_rate * left
 
-    def _moments(self) -> tuple[np.ndarray, np.ndarray]:
-        variance = np.maximum(self.square - self.mean**2, 0.0)
-        return self.mean.astype(np.float32), np.sqrt(variance + LEAST_DEVIATION**2).astype(
-            np.float32
-        )
-
     def _seen(self, observation: np.ndarray) -> torch.Tensor:
-        mean, deviation = self._moments()
-        return torch.from_numpy(np.clip((observation - mean) / deviation, -SEEN_LIMIT, SEEN_LIMIT))
-
-    def _count(self, observations: np.ndarray) -> None:
-        """Take observations (M, O) into the running moments."""
-        share = len(observations) / (self.count + len(observations))
-        self.mean += share * (observations.mean(axis=0, dtype=float) - self.mean)
-        self.square += share * ((observations.astype(float) ** 2).mean(axis=0) - self.square)
-        self.count = min(self.count + len(observations), 1e6)
+        return torch.from_numpy(self.moments.normalised(observation))
 
     @torch.no_grad()
     def _roll(
@@ -191,7 +165,7 @@ class PPO:
             for name, values in {"reward": reward, **terms}.items():
                 sums[name] = sums.get(name, 0.0) + float(values.mean()) / config.ticks
             seen = batch.reset(ended) if ended.any() else after
-        self._count(np.concatenate(raw))
+        self.moments.count_in(np.concatenate(raw))
         columns = [torch.stack(column) for column in zip(*rows, strict=True)]
         observed, action, log_prob, value, following, reward, ended = columns
         advantage = self._advantages(value, following, reward, ended)
@@ -248,12 +222,3 @@ class PPO:
         if self.steps < config.warm_up * config.ticks * self.batch.n_envs:
             return error
         return error - gain - config.entropy * noise.entropy().sum(1).mean()
-
-
-def _network(seen: int, hidden: int, acted: int, last_gain: float) -> nn.Sequential:
-    layers = [nn.Linear(seen, hidden), nn.Linear(hidden, hidden), nn.Linear(hidden, acted)]
-    for layer, gain in zip(layers, (2**0.5, 2**0.5, last_gain), strict=True):
-        nn.init.orthogonal_(layer.weight, gain)
-        nn.init.zeros_(layer.bias)
-    first, second, last = layers
-    return nn.Sequential(first, nn.ELU(), second, nn.ELU(), last)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from roboguitarist.fretting.branching import Branching, BranchingConfig
 from roboguitarist.fretting.episodes import FrettingBatch
 from roboguitarist.fretting.learner import Learner
 from roboguitarist.fretting.ppo import PPO, PPOConfig
@@ -21,6 +22,8 @@ def make(config: TrainConfig, tablatures: Mapping[str, Tablature]) -> Learner:
     batch = FrettingBatch(several, config.task, config.n_envs, config.n_threads)
     if isinstance(config.learner, PPOConfig):
         return PPO(batch, config.learner)
+    if isinstance(config.learner, BranchingConfig):
+        return Branching(batch, config.learner)
     from roboguitarist.training.sbx_learner import SbxLearner  # noqa: PLC0415 - slow to import
 
     return SbxLearner(batch, config.algorithm, config.learner)

@@ -7,12 +7,13 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, get_args
 
 from roboguitarist.errors import RoboGuitaristError
+from roboguitarist.fretting.branching import BranchingConfig
 from roboguitarist.fretting.ppo import PPOConfig
 from roboguitarist.fretting.task import TaskConfig
 
-Algorithm = Literal["batch-ppo", "droq", "sac", "crossq", "tqc", "ppo"]
+Algorithm = Literal["batch-ppo", "branching", "droq", "sac", "crossq", "tqc", "ppo"]
 ALGORITHMS: tuple[Algorithm, ...] = get_args(Algorithm)
-"""`batch-ppo` is this project's own (`fretting.ppo`), the others are those of sbx."""
+"""`batch-ppo` and `branching` are this project's own, the others are those of sbx."""
 EVALUATIONS = 25
 """Evaluations of a run, evenly spread."""
 
@@ -67,6 +68,10 @@ its public code.
 """
 
 
+GUIDED_TASK = TaskConfig("guided", lead_s=0.5, random_start=True, max_ticks=150)
+"""Corrections to the planner's targets, in episodes of 5 s that begin anywhere in the piece."""
+
+
 @dataclass(frozen=True)
 class TrainConfig:
     """A run.
@@ -80,7 +85,7 @@ class TrainConfig:
     """
 
     algorithm: Algorithm = "batch-ppo"
-    learner: PPOConfig | SbxConfig = PAPER_PPO
+    learner: PPOConfig | BranchingConfig | SbxConfig = PAPER_PPO
     task: TaskConfig = field(default_factory=lambda: PAPER_TASK)
     n_envs: int = 128
     n_threads: int = 2
@@ -102,7 +107,8 @@ class TrainConfig:
             RoboGuitaristError: If it is something else.
         """
         try:
-            kind = PPOConfig if item["algorithm"] == "batch-ppo" else SbxConfig
+            own = {"batch-ppo": PPOConfig, "branching": BranchingConfig}
+            kind = own.get(item["algorithm"], SbxConfig)
             nested = {"learner": kind(**item["learner"]), "task": TaskConfig(**item["task"])}
             return cls(**{**item, **nested})
         except (KeyError, TypeError) as error:
@@ -110,7 +116,7 @@ class TrainConfig:
 
 
 def defaults(algorithm: str) -> TrainConfig:
-    """The settings of a learner on the paper's task.
+    """The settings of a learner on the paper's task, of `branching` on the guided one.
 
     Raises:
         RoboGuitaristError: If there is no such learner.
@@ -119,5 +125,7 @@ def defaults(algorithm: str) -> TrainConfig:
         raise RoboGuitaristError(f"no algorithm {algorithm!r} (there are {', '.join(ALGORITHMS)})")
     if algorithm == "batch-ppo":
         return TrainConfig()
+    if algorithm == "branching":
+        return TrainConfig(algorithm, BranchingConfig(), GUIDED_TASK, n_envs=256)
     # Table 2 gives no number of environments; the text says 4 threads.
     return TrainConfig(algorithm, SbxConfig(), PAPER_TASK, n_envs=4)
