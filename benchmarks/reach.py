@@ -77,20 +77,22 @@ def measure(hand: Variant) -> tuple[np.ndarray, list[tuple[str, Shape, Hold]]]:
 
 def draw(hand: Variant, force_n: np.ndarray, held: list[tuple[str, Shape, Hold]]) -> None:
     """The map of each finger, and the chords by kind."""
-    figure, axes = plt.subplots(1, 5, figsize=(15, 2.8), width_ratios=(1, 1, 1, 1, 1.3))
+    figure, axes = plt.subplots(
+        1, 5, figsize=(15, 2.8), width_ratios=(1, 1, 1, 1, 1.3), layout="constrained"
+    )
     for axis, cells, name in zip(
         axes[:4], force_n[:, :, :HIGHEST_FRET], ("index", "middle", "ring", "little"), strict=True
     ):
         axis.imshow(cells, vmin=0, vmax=3, cmap="viridis", aspect="auto",
                             extent=(0.5, HIGHEST_FRET + 0.5, 6.5, 0.5))  # fmt: skip
         axis.set(title=name, xlabel="fret", ylabel="string")
-    figure.colorbar(axes[0].images[0], ax=axes[:4], label="N", fraction=0.02)
+    figure.colorbar(axes[0].images[0], ax=axes[:4], label="N", pad=0.01)
     kinds = list(dict.fromkeys(kind for kind, _, _ in held))
     share = [np.mean([h.held for kind, _, h in held if kind == name]) for name in kinds]
     axes[4].barh(kinds, share)
     axes[4].set(title="chord shapes held", xlim=(0, 1))
     axes[4].invert_yaxis()
-    figure.savefig(ROOT / "docs/_static" / f"reach-{hand}.png", dpi=100, bbox_inches="tight")
+    figure.savefig(ROOT / "docs/_static" / f"reach-{hand}.png", dpi=100)
 
 
 def summary(force_n: np.ndarray, held: list[tuple[str, Shape, Hold]]) -> dict[str, object]:
