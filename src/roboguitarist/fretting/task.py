@@ -45,8 +45,9 @@ class TaskConfig:
         freedom: Lower frets on a string whose wanted fret is held are no mistakes (`paper`).
         euclidean: The plain distance to the key as finger reward, for the ablation (`paper`).
         energy_coefficient: k of equation 3 (`paper`).
-        vary_friction, vary_gain: Largest relative change of friction and of each servo's gain, from
-            hand to hand, see `randomisation.Randomisation`.
+        vary_friction: Largest relative change of friction from hand to hand, see
+            `randomisation.Randomisation`.
+        vary_gain: The same of each servo's gain.
         vary_string_height_m: Most by which the strings lie higher or lower.
         vary_delay_s: Longest time by which servo targets come late.
     """
