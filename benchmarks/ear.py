@@ -64,7 +64,7 @@ def ideal(performance: Performance) -> Performance:
 
 def transcribed(samples: np.ndarray, model: Any) -> tuple[np.ndarray, np.ndarray]:
     """Onsets (n,) in seconds and MIDI pitches (n,) that basic-pitch hears."""
-    from basic_pitch.inference import predict  # noqa: PLC0415 - slow, and it talks
+    from basic_pitch.inference import predict  # noqa: PLC0415 - slow, and it talks  # pyright: ignore[reportMissingImports]
 
     with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
         path = Path(folder) / "sound.wav"
@@ -111,7 +111,7 @@ def heard(name: str, model: Any) -> dict[str, Any]:
 
 def main() -> None:
     """Play and transcribe everything, print the table, write the file."""
-    from basic_pitch.inference import Model  # noqa: PLC0415
+    from basic_pitch.inference import Model  # noqa: PLC0415  # pyright: ignore[reportMissingImports]
 
     weights = Path(__import__("basic_pitch").__file__).parent / "saved_models/icassp_2022/nmp.onnx"
     model = Model(weights)
