@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -52,7 +53,11 @@ class Guitar:
         The first wire towards the bridge stops the string, so a press between wires n - 1 and
         n gives n. Points beyond the nut give 0, beyond the last wire `n_frets` + 1.
         """
-        return np.searchsorted(self.fret_x(np.arange(self.n_frets + 1)), x, side="left")
+        return self._wires_m.searchsorted(x)
+
+    @cached_property
+    def _wires_m(self) -> np.ndarray:
+        return self.fret_x(np.arange(self.n_frets + 1))
 
     def string_y(self, string: np.ndarray | int, x: np.ndarray | float = 0.0) -> np.ndarray:
         """Sideways position in metres of a string (1 to 6) at `x`; strings fan out."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import mujoco
@@ -49,15 +50,16 @@ def stops(model: mujoco.MjModel, sensordata: np.ndarray, guitar: Guitar) -> Stop
         sensordata: (N, nsensordata) readings.
         guitar: Where the frets are.
     """
-    found_at = np.array([columns(model, f"string_{string}") for string in STRINGS])
-    readings = sensordata[:, found_at].reshape(
-        len(sensordata), len(STRINGS), CONTACTS_PER_STRING, SENSOR_WIDTH
-    )
-    found, force = readings[..., 0] > 0, np.abs(readings[..., 1])
-    fret = np.where(found, guitar.fret_at(readings[..., 4]), 0)
-    frets = np.arange(1, guitar.n_frets + 1)
-    cells = (fret[..., None] == frets) * np.where(found, force, 0.0)[..., None]
-    return Stops(cells.sum(axis=2), fret.max(axis=2))
+    shape = len(STRINGS), CONTACTS_PER_STRING, SENSOR_WIDTH
+    start = columns(model, "string_1")[0]  # the strings' sensors follow each other
+    readings = sensordata[:, start : start + math.prod(shape)].reshape(-1, *shape)
+    found = readings[..., 0] > 0
+    fret = guitar.fret_at(readings[..., 4]) * found
+    force = np.zeros((len(readings), len(STRINGS), guitar.n_frets + 2))
+    moment, string, contact = found.nonzero()
+    cell = moment, string, fret[moment, string, contact]
+    np.add.at(force, cell, np.abs(readings[moment, string, contact, 1]))
+    return Stops(force[..., 1:-1], fret.max(axis=2))
 
 
 @dataclass(frozen=True)

@@ -69,14 +69,15 @@ class HandBatch:
         self.qpos = self._state[:, 1 : 1 + model.nq]
         self.qvel = self._state[:, 1 + model.nq : 1 + model.nq + model.nv]
         randomisation, rng = randomisation or Randomisation(), np.random.default_rng(seed)
-        self._late = delays(randomisation, n_envs, scene.timestep_s, self.substeps, rng)
+        late = delays(randomisation, n_envs, scene.timestep_s, self.substeps, rng)
+        self._late = [(steps, late == steps) for steps in np.unique(late[late > 0])]
         self.models = [model] * n_envs
         if randomisation != Randomisation(delay_s=randomisation.delay_s):
             self.models = [varied(model, randomisation, rng) for _ in range(n_envs)]
         self._pool = rollout.Rollout(nthread=n_threads)
         self._data = [mujoco.MjData(model) for _ in range(max(1, n_threads))]
         self._force_n: np.ndarray | None = None
-        self._power = power_columns(model)
+        self._power = np.array(power_columns(model))
         self._tips = np.array([columns(model, tip) for tip in LEFT_TIPS])
 
     @property
@@ -117,8 +118,7 @@ class HandBatch:
         before = self._control[:, -1].copy()
         each = self._control.reshape(self.n_envs, parts.shape[1], -1, parts.shape[2])
         each[:] = parts[:, :, None]
-        for steps in np.unique(self._late[self._late > 0]):
-            late = self._late == steps
+        for steps, late in self._late:
             self._control[late, steps:] = self._control[late, :-steps]
             self._control[late, :steps] = before[late, None]
         self._pool.rollout(
@@ -176,8 +176,8 @@ class HandBatch:
 
     def power_w(self) -> np.ndarray:
         """Absolute mechanical power (N,) of the servos, mean over the last tick."""
-        force, velocity = (self._sensors[..., found_at] for found_at in self._power)
-        return np.abs(force * velocity).sum(axis=2).mean(axis=1)
+        force, velocity = (self._sensors.take(found_at, axis=2) for found_at in self._power)
+        return np.abs(force * velocity).sum(axis=(1, 2)) / self.substeps
 
     def close(self) -> None:
         """Stop the threads."""

@@ -120,7 +120,7 @@ class FrettingBatch:
             Observations (N, observation_size), rewards (N,), whether the piece has run out or
             the physics failed (N,), and the terms of the reward by name, (N,) each.
         """
-        action = self.task.taken(np.clip(action, -1.0, 1.0), self.last_action)
+        action = self.task.taken(np.minimum(np.maximum(action, -1.0), 1.0), self.last_action)
         failed = self.hands.step(self.task.ctrl(action, self.last_action, self.hands, self.at))
         parts, terms = self.task.reward(self.hands, self.at, action - self.last_action)
         parts[failed] = 0.0  # its energy may be anything
@@ -171,7 +171,8 @@ class FrettingBatch:
 def assembled(rows: Sequence[np.ndarray]) -> np.ndarray:
     """Rows (N, size) of an observation as one (N, observation_size) float32, cut at the limit."""
     seen = np.concatenate(rows, axis=1, dtype=np.float32)
-    return np.clip(seen, -OBSERVATION_LIMIT, OBSERVATION_LIMIT)
+    np.maximum(seen, -OBSERVATION_LIMIT, out=seen)
+    return np.minimum(seen, OBSERVATION_LIMIT, out=seen)
 
 
 def make_task(

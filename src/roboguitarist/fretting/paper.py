@@ -66,7 +66,7 @@ class Actions:
 
     def ctrl(self, action: np.ndarray) -> np.ndarray:
         """Servo targets (N, nu) in rad and m of actions (N, size); values beyond 1 are cut."""
-        share = (np.clip(action, -1.0, 1.0) + 1.0) / 2.0
+        share = (np.minimum(np.maximum(action, -1.0), 1.0) + 1.0) / 2.0
         out = np.zeros((len(action), self._nu))
         out[:, self._servos] = self.low + share * (self.high - self.low)
         return out

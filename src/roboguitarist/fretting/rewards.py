@@ -52,10 +52,15 @@ def mapping(x: ArrayLike, bound: ArrayLike, margin: float, kind: Kind = "recipro
         raise RoboGuitaristError(f"no mapping {kind!r} (there are {', '.join(KINDS)})")
     if margin < 0 or np.less(x, 0).any() or np.less(bound, 0).any():
         raise RoboGuitaristError("a distance, bound or margin is negative (0 or more)")
-    beyond = np.maximum(np.subtract(x, bound), 0.0)
+    beyond = np.subtract(x, bound)
     if margin == 0:
         return np.where(beyond > 0, 0.0, 1.0)
-    d = beyond / margin
+    return _fall(beyond / margin, kind)
+
+
+def _fall(d: np.ndarray, kind: Kind) -> np.ndarray:
+    """The mapping (...) of distances beyond the bound in margins, (...); 1 where negative."""
+    d = np.maximum(d, 0.0)
     if kind == "gaussian":
         return np.exp(np.log(AT_MARGIN) * d**2)
     return 1.0 / (1.0 + (1.0 / AT_MARGIN - 1.0) * d)
@@ -98,9 +103,10 @@ def nearness(
     margin_m: float = REACH_M,
 ) -> np.ndarray:
     """Equation 1 of each finger, (N, 4) in [0, 1]; arguments as of `finger_reward`."""
-    close = np.full_like(key_length_m, CLOSE_M)
-    bound = np.stack([0.5 * key_length_m, close, close], axis=-1)
-    return mapping(np.abs(tip_m - key_m), bound, margin_m, kind).mean(axis=-1)
+    beyond = np.abs(tip_m - key_m)
+    beyond[..., 0] -= 0.5 * key_length_m
+    beyond[..., 1:] -= CLOSE_M
+    return _fall(beyond / margin_m, kind).sum(axis=-1) / 3.0
 
 
 def euclidean_finger_reward(
@@ -149,10 +155,11 @@ def key_reward(
     """
     frets = np.arange(1, force_n.shape[-1] + 1)
     fret = wanted_fret[..., None]
-    wanted, allowed = frets == fret, (frets <= fret if freedom else frets == fret)
-    strength = np.where(wanted, force_n, 0.0).sum(axis=-1) / threshold_n
-    pressed = mapping(1.0 - np.clip(strength, 0.0, 1.0), 0.0, 1.0, kind)
-    false_positive = ((force_n >= threshold_n) & ~allowed).any(axis=(1, 2))
+    wanted = frets == fret
+    prohibited = frets > fret if freedom else ~wanted
+    strength = (wanted * force_n).sum(axis=-1) / threshold_n
+    pressed = _fall(1.0 - strength, kind)
+    false_positive = ((force_n >= threshold_n) & prohibited).any(axis=(1, 2))
     return 0.5 * _mean(pressed, wanted.any(axis=-1)) + 0.5 * ~false_positive
 
 
