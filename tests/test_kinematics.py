@@ -10,7 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from roboguitarist.hands import VARIANTS, Variant
-from roboguitarist.kinematics import ClearanceTask, SeparationTask, Solver, TipPaths, follow
+from roboguitarist.ik_tasks import ClearanceTask, SeparationTask, TipTask
+from roboguitarist.kinematics import Solver, TipPaths, follow
 from roboguitarist.scene import SceneConfig, build
 
 FINGERS = ("ff", "mf", "rf", "lf")
@@ -236,8 +237,8 @@ def test_a_change_of_what_is_aloft_alone_is_followed():
     still = paths(np.repeat(low[None], 6, axis=0), rest, 30.0, 0.0)
     assert still.aloft is not None
     still.aloft[4:] = 1.0
-    postures = follow(wanted, still)
-    assert np.abs(postures[-1] - postures[3]).max() > 0.01
+    height = np.array([tips(wanted.model, qpos)[:, 2] for qpos in follow(wanted, still)])
+    assert np.all(height[-1] > height[3] + 0.8 * wanted.over_m)
 
 
 def test_fingers_are_drawn_to_point_where_they_are_asked_to():
@@ -281,3 +282,44 @@ def test_a_flat_finger_lies_on_the_strings_with_its_joints():
     heights = [data.body(f"lh_ff{link}").xpos[2] for link in ("middle", "distal")]
     assert heights == pytest.approx([0.0098] * 2, abs=0.0015)
     assert tips(hand.model, posture)[0] == pytest.approx(target[0], abs=0.001)
+
+
+@given(seeds)
+@settings(max_examples=20, deadline=None)
+def test_the_jacobian_of_the_tips_is_the_derivative_of_their_error(seed):
+    hand, rng = solver(room_pull=0.1), np.random.default_rng(seed)
+    task, qpos = TipTask(hand), near(hand.model, seed, 0.3)
+    room = np.sort(rng.uniform(-0.02, 0.02, (4, 2)), axis=1) * [[1, 1], [1, 1], [0, 0], [1, 1]]
+    target = tips(hand.model, qpos) + rng.uniform(-0.02, 0.02, (4, 3))
+    task.aim(target, np.ones(4), room)
+    off = (tips(hand.model, qpos) - target)[:, 0]
+    assume(np.abs(off[:, None] - room).min() > 1e-5)
+    jacobian = task.compute_jacobian(mink.Configuration(hand.model, qpos))
+    np.testing.assert_allclose(jacobian, slopes(task, hand.model, qpos), atol=1e-4)
+
+
+@given(st.floats(-0.03, 0.03))
+def test_room_lowers_the_price_of_being_off_and_nothing_beyond_it(off_m):
+    hand = solver(room_pull=0.1)
+    configuration = mink.Configuration(hand.model, playing(hand.model))
+    target = tips(hand.model, configuration.q) - [off_m, 0.0, 0.0]
+    task = TipTask(hand)
+    task.aim(target, np.ones(4), np.tile([-0.01, 0.005], (4, 1)))
+    error = task.compute_error(configuration).reshape(4, 3)
+    within = np.clip(off_m, -0.01, 0.005)
+    np.testing.assert_allclose(error[:, 0], 0.1 * within + (off_m - within), atol=1e-9)
+    np.testing.assert_allclose(error[:, 1:], 0.0, atol=1e-9)
+
+
+def test_two_fingers_for_one_place_share_the_room_along_the_string():
+    hand = solver(apart=LINKS, apart_cost=60.0)
+    rest = playing(hand.model)
+    wanted = tips(hand.model, rest)
+    wanted[1] = wanted[0] + [0.002, 0.010, 0.0]
+    crowded = paths(wanted[None], rest)
+    spread = replace(crowded, room_m=np.tile([-0.012, 0.012], (1, 4, 1)))
+    off_string = []
+    for one in (crowded, spread):
+        reached = tips(hand.model, follow(hand, one)[0])
+        off_string.append(np.linalg.norm((reached - wanted)[:2, 1:], axis=1).max())
+    assert off_string[1] < 0.5 * off_string[0]

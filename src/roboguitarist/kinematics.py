@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import mink
 import mujoco
 import numpy as np
 
+from roboguitarist.ik_tasks import ClearanceTask, SeparationTask, TipTask
+
 _DAMPING = 1e-3
 _TOLERANCE = 2e-4
 LYING = (0.0, -1.0, -0.1)
 """Direction of a fingertip that lies across the strings, towards the bass."""
-FIRM = 4.0
-"""How much more it costs to miss that height than to come too near to the strings."""
-TOUCHING_M = 0.0008
-"""Height over the strings' axes at which a finger that lies flat touches them."""
 
 
 @dataclass(frozen=True)
@@ -31,6 +28,8 @@ class TipPaths:
         rest: (T, nq) posture towards which everything is weakly drawn.
         flat: (T, k) how much each finger is to lie flat on the strings, 0 to 1; None for fingers
             that never do.
+        room_m: (T, k, 2) how far from its position each fingertip may be along the strings,
+            towards the nut (0 or less) and towards the bridge; None for none.
     """
 
     position_m: np.ndarray
@@ -38,6 +37,7 @@ class TipPaths:
     rest: np.ndarray
     aloft: np.ndarray | None = None
     flat: np.ndarray | None = None
+    room_m: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -55,6 +55,7 @@ class Solver:
         apart_cost: Cost of a metre less than that, and less than the height over the strings.
         knuckles: Bodies whose origins stay off the strings, with their radii in metres.
         tip_radius_m: Radius of the fingertips.
+        room_pull: Share of its cost with which a fingertip is drawn to its place within its room.
         over_m: Height over the strings that idle fingertips and knuckles keep.
         half_width_m: Half width of the fretboard, beyond which heights do not matter.
     """
@@ -69,6 +70,7 @@ class Solver:
     apart_cost: float = 60.0
     knuckles: tuple[tuple[str, float], ...] = ()
     tip_radius_m: float = 0.0065
+    room_pull: float = 0.022
     over_m: float = 0.004
     half_width_m: float = 0.028
     iterations: int = 40
@@ -144,7 +146,7 @@ def _cost(configuration: mink.Configuration, tasks: list[mink.Task]) -> float:
 
 @dataclass(frozen=True)
 class _Tasks:
-    tips: list[mink.FrameTask]
+    tips: TipTask
     pointing: list[mink.AxisAlignTask]
     direction: tuple[float, float, float]
     posture: mink.PostureTask
@@ -154,7 +156,7 @@ class _Tasks:
     @property
     def every(self) -> list[mink.Task]:
         clearance = [self.clearance] if self.clearance else []
-        return [*self.tips, *self.pointing, *self.others, *clearance, self.posture]
+        return [self.tips, *self.pointing, *self.others, *clearance, self.posture]
 
 
 def _problem(solver: Solver) -> tuple[_Tasks, list[mink.Limit], list[mink.Task]]:
@@ -166,7 +168,7 @@ def _problem(solver: Solver) -> tuple[_Tasks, list[mink.Limit], list[mink.Task]]
         task.set_target(solver.pointing)
         pointing.append(task)
     tasks = _Tasks(
-        [mink.FrameTask(site, "site", 1.0, 0.0) for site in solver.sites],
+        TipTask(solver),
         pointing,
         solver.pointing,
         mink.PostureTask(model, solver.posture_cost),
@@ -179,115 +181,10 @@ def _problem(solver: Solver) -> tuple[_Tasks, list[mink.Limit], list[mink.Task]]
     return tasks, [mink.ConfigurationLimit(model)], constraints
 
 
-class SeparationTask(mink.Task):
-    """Pushes neighbouring fingers apart where they are closer than the clearance.
-
-    A soft counterpart of `mink.CollisionAvoidanceLimit`: that one only forbids to come nearer, so
-    a hand that starts entangled stays so (it blocked 11 of 51 hand shapes of the repertoire).
-    """
-
-    def __init__(self, solver: Solver) -> None:
-        model = solver.model
-        self.pairs = [
-            (model.geom(first).id, model.geom(second).id)
-            for group, neighbour in pairwise(solver.apart)
-            for first in group
-            for second in neighbour
-        ]
-        self.clearance_m = solver.clearance_m
-        super().__init__(np.full(len(self.pairs), solver.apart_cost))
-
-    def compute_error(self, configuration: mink.Configuration) -> np.ndarray:
-        """Missing distance of each pair in metres, 0 or below."""
-        return self._evaluate(configuration)[0]
-
-    def compute_jacobian(self, configuration: mink.Configuration) -> np.ndarray:
-        """Derivative (pairs, nv) of the error; zero for pairs that are far enough apart."""
-        return self._evaluate(configuration)[1]
-
-    def compute_qp_residual(
-        self, configuration: mink.Configuration
-    ) -> tuple[np.ndarray, np.ndarray, float]:
-        """Both at once, as mink's solver wants them."""
-        return self._weighted_residual(*self._evaluate(configuration))
-
-    def _evaluate(self, configuration: mink.Configuration) -> tuple[np.ndarray, np.ndarray]:
-        model, data = configuration.model, configuration.data
-        error, jacobian = np.zeros(len(self.pairs)), np.zeros((len(self.pairs), model.nv))
-        ends, first, second = np.empty(6), np.empty((3, model.nv)), np.empty((3, model.nv))
-        for row, pair in enumerate(self.pairs):
-            distance = mujoco.mj_geomDistance(model, data, *pair, self.clearance_m, ends)
-            if distance >= self.clearance_m:
-                continue
-            normal = (ends[3:] - ends[:3]) / (distance or 1.0)
-            mujoco.mj_jac(model, data, first, None, ends[:3], model.geom_bodyid[pair[0]])
-            mujoco.mj_jac(model, data, second, None, ends[3:], model.geom_bodyid[pair[1]])
-            error[row] = distance - self.clearance_m
-            jacobian[row] = normal @ (second - first)
-        return error, jacobian
-
-
-class ClearanceTask(mink.Task):
-    """Keeps joints and idle fingertips off the strings.
-
-    A point with radius r is to stay at least r + `over_m` above the strings' axes while it is
-    over the fretboard. The joints of a finger that lies flat are to be at the height at which
-    they touch.
-    """
-
-    def __init__(self, solver: Solver) -> None:
-        model = solver.model
-        self.points = [(model.body(name).id, r) for name, r in solver.knuckles]
-        self.sites = [model.site(name).id for name in solver.sites]
-        self.radius = np.array(
-            [r for _, r in self.points] + [solver.tip_radius_m] * len(self.sites)
-        )
-        self.over_m, self.half_width_m = solver.over_m, solver.half_width_m
-        self.aloft = np.ones(len(self.sites))
-        self.flat = np.zeros(len(self.sites))
-        self._per_finger = len(self.points) // len(self.sites)
-        super().__init__(np.full(len(self.radius), solver.apart_cost))
-
-    def compute_error(self, configuration: mink.Configuration) -> np.ndarray:
-        """Missing height of each point in metres, 0 or below unless it is to be flat."""
-        data = configuration.data
-        bodies = [body for body, _ in self.points]
-        place = np.vstack([data.xpos[bodies], data.site_xpos[self.sites]])
-        # Past the edge the demand fades, so that it does not jump there.
-        inside = np.clip((self.half_width_m - place[:, 1]) / 0.005, 0.0, 1.0)
-        inside[len(bodies) :] *= self.aloft
-        over = np.minimum(0.0, place[:, 2] - self.radius - self.over_m) * inside
-        flat = np.zeros_like(over)
-        flat[: len(bodies)] = np.repeat(self.flat, self._per_finger)
-        lying = FIRM * (place[:, 2] - self.radius - TOUCHING_M)
-        return (1.0 - flat) * over + flat * lying
-
-    def compute_jacobian(self, configuration: mink.Configuration) -> np.ndarray:
-        """Derivative (points, nv) of the error; zero for points that are high enough.
-
-        In the strip where the demand fades it is that of the height alone, so that points are
-        lifted there rather than driven off the edge.
-        """
-        model, data = configuration.model, configuration.data
-        error, jacobian = self.compute_error(configuration), np.zeros((len(self.radius), model.nv))
-        arm = np.empty((3, model.nv))
-        for row in np.flatnonzero(error):
-            if row < len(self.points):
-                mujoco.mj_jacBody(model, data, arm, None, self.points[row][0])
-                arm *= 1.0 + (FIRM - 1.0) * self.flat[row // self._per_finger]
-            else:
-                mujoco.mj_jacSite(model, data, arm, None, self.sites[row - len(self.points)])
-                arm *= self.aloft[row - len(self.points)]
-            jacobian[row] = arm[2]
-        return jacobian
-
-
 def _aim(tasks: _Tasks, paths: TipPaths, tick: int) -> None:
-    for task, position, weight in zip(
-        tasks.tips, paths.position_m[tick], paths.weight[tick], strict=True
-    ):
-        task.set_target(mink.SE3.from_translation(position))
-        task.set_position_cost(weight)
+    none = np.zeros((len(paths.position_m[tick]), 2))
+    room_m = none if paths.room_m is None else paths.room_m[tick]
+    tasks.tips.aim(paths.position_m[tick], paths.weight[tick], room_m)
     tasks.posture.set_target(paths.rest[tick])
     if tasks.clearance and paths.aloft is not None:
         tasks.clearance.aloft = paths.aloft[tick]
@@ -301,7 +198,7 @@ def _aim(tasks: _Tasks, paths: TipPaths, tick: int) -> None:
 
 
 def _unchanged(paths: TipPaths, tick: int) -> bool:
-    targets = (paths.position_m, paths.weight, paths.rest, paths.aloft, paths.flat)
+    targets = (paths.position_m, paths.weight, paths.rest, paths.aloft, paths.flat, paths.room_m)
     return all(
         values is None or np.array_equal(values[tick], values[tick - 1]) for values in targets
     )

@@ -141,6 +141,8 @@ def _posture_cost(model: mujoco.MjModel) -> np.ndarray:
     cost = np.full(model.nv, 0.03)
     for name in ("WRJ1", "WRJ2", "LFJ5", "LFJ4", "LFJ3", "LFJ2", "LFJ1"):
         cost[model.joint(f"rh_{name}").dofadr[0]] = 30.0
+    # The index finger's way reaches 1.4 mm beyond its range: there it would flip without a pull.
+    cost[model.joint("rh_FFJ4").dofadr[0]] = 0.3
     return cost
 
 

@@ -9,7 +9,7 @@ from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import gaussian_filter1d
 
 from roboguitarist.fingering import Fingering
-from roboguitarist.fretting.presses import ALONG, Press, press_point, tip_height
+from roboguitarist.fretting.presses import ALONG, Press, press_point, press_room, tip_height
 from roboguitarist.fretting.schedule import Moment, Pace, Timetable
 from roboguitarist.guitar import Guitar
 
@@ -23,12 +23,15 @@ class TipPlan:
         grip: (T, 4) from 0 for a finger in the air to 1 for one that is down.
         force: (T, 4) share of the full force with which each presses, 0 to 1.
         flat: (T, 4) how much each lies over several strings, 0 to 1.
+        room_m: (T, 4, 2) how far each may be from its position, towards the nut (0 or less) and
+            towards the bridge, while it is down.
     """
 
     position_m: np.ndarray
     grip: np.ndarray
     force: np.ndarray
     flat: np.ndarray
+    room_m: np.ndarray
 
 
 def tip_plan(
@@ -48,7 +51,7 @@ def tip_plan(
         pace: How to move.
     """
     home = home_path(timetable.presses, fingering, time_s, guitar, pace.hover_m)
-    tips, grip, force, flat = [], [], [], []
+    tips, grip, force, flat, room = [], [], [], [], []
     for finger, (row, times) in enumerate(zip(timetable.presses, timetable.moments, strict=True)):
         away = _away(times, time_s, pace)
         played = _played(row, times, time_s, guitar, pace)
@@ -57,7 +60,8 @@ def tip_plan(
         barres = tuple(m for press, m in zip(row, times, strict=True) if press.flat)
         flat.append(_grip(barres, time_s))
         force.append(_pressure(times, time_s, pace))
-    columns = (np.stack(column, axis=1) for column in (tips, grip, force, flat))
+        room.append(grip[-1][:, None] * _room(row, times, time_s, guitar))
+    columns = (np.stack(column, axis=1) for column in (tips, grip, force, flat, room))
     return TipPlan(*columns)
 
 
@@ -94,6 +98,16 @@ def _played(
     points = [points[0], *points, points[-1]]
     inside = np.clip(time_s, times[0], times[-1])
     return PchipInterpolator(times, points, axis=0)(inside)
+
+
+def _room(
+    row: tuple[Press, ...], moments: tuple[Moment, ...], time_s: np.ndarray, guitar: Guitar
+) -> np.ndarray:
+    """Room (T, 2) along the string that each press leaves to its finger, see `press_room`."""
+    room = np.zeros((len(time_s), 2))
+    for press, moment in zip(row, moments, strict=True):
+        room[(time_s >= moment.over_s) & (time_s <= moment.up_s)] = press_room(press, guitar)
+    return room
 
 
 def _grip(moments: tuple[Moment, ...], time_s: np.ndarray) -> np.ndarray:

@@ -85,7 +85,10 @@ def plan(
     rest = rest_path(hand.model, posture, tips.position_m, weight, config.base_s * PLAN_HZ)
     knots = knot_indices(timetable.turning_times(), time_s)
     aloft = 1.0 - tips.grip[knots]
-    paths = TipPaths(tips.position_m[knots], weight[knots], rest[knots], aloft, tips.flat[knots])
+    paths = TipPaths(
+        tips.position_m[knots], weight[knots], rest[knots], aloft, tips.flat[knots],
+        tips.room_m[knots],
+    )  # fmt: skip
     qpos = PchipInterpolator(time_s[knots], follow(hand, paths), axis=0)(time_s)
     contact = contact_torque(hand.model, qpos, config.force_n * tips.force, tips.flat)
     return HandPlan(time_s, qpos, servo_targets(left_alone(scene), qpos, PLAN_HZ, contact))

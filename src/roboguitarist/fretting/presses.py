@@ -19,6 +19,9 @@ ALONG = (0.60, 0.65, 0.70, 0.75)
 TIP_GAP_M = 0.0162
 """Distance at which two fingertips that are down do not push each other aside."""
 WIRE_GAP_M = 0.003
+"""Distance that places of presses keep from the sounding wire."""
+ROOM_GAP_M = 0.0042
+"""Distance that the inverse kinematics keeps from both wires."""
 
 
 @dataclass(frozen=True)
@@ -186,3 +189,13 @@ def press_point(press: Press, guitar: Guitar) -> np.ndarray:
     """Centre (3,) of the fingertip that just touches the string there, in metres."""
     y = float(guitar.string_y(press.string, press.x_m))
     return np.array([press.x_m, y, tip_height(guitar)])
+
+
+def press_room(press: Press, guitar: Guitar) -> tuple[float, float]:
+    """How far from its place a press can be along the string, towards nut (0 or less) and bridge.
+
+    Its centre stays `ROOM_GAP_M` away from both fret wires, where the fret space is that long.
+    """
+    low = float(guitar.fret_x(press.fret - 1)) + ROOM_GAP_M - press.x_m
+    high = float(guitar.fret_x(press.fret)) - ROOM_GAP_M - press.x_m
+    return min(low, 0.0), max(high, 0.0)
