@@ -12,6 +12,9 @@ from roboguitarist.ik_tasks import ClearanceTask, SeparationTask, TipTask
 
 _DAMPING = 1e-3
 _TOLERANCE = 2e-4
+ENTANGLED, FREER = 0.15, 0.7
+"""Cost above which a posture is looked for from the rest posture too, and the share of it that the
+one found there must not reach to be taken."""
 LYING = (0.0, -1.0, -0.1)
 """Direction of a fingertip that lies across the strings, towards the bass."""
 
@@ -80,7 +83,8 @@ def follow(solver: Solver, paths: TipPaths) -> np.ndarray:
     """Joint path along which the tips follow their paths.
 
     Each sample starts from the one before it, so a smooth path gives smooth joints. Where all
-    targets stand still the joints do too.
+    targets stand still the joints do too. Fingers that have crossed cannot come apart that way:
+    where much is missed, the search starts from the rest posture once more.
 
     Args:
         solver: The hand.
@@ -100,7 +104,16 @@ def follow(solver: Solver, paths: TipPaths) -> np.ndarray:
             out[tick] = out[tick - 1]
             continue
         _aim(tasks, paths, tick)
+        rest = np.clip(paths.rest[tick], *solver.model.jnt_range.T)
         settled = _descend(configuration, tasks.every, limits, constraints, solver.iterations)
+        cost, found = _cost(configuration, tasks.every), configuration.q.copy()
+        if cost > ENTANGLED:
+            configuration.update(rest)
+            again = _descend(configuration, tasks.every, limits, constraints, solver.iterations)
+            if _cost(configuration, tasks.every) < FREER * cost:
+                settled = again
+            else:
+                configuration.update(found)
         out[tick] = configuration.q
     return out
 
