@@ -117,15 +117,18 @@ class Evaluate(Options):
 
 @dataclass(frozen=True, kw_only=True)
 class Train:
-    """Train a policy for the left hand on one score or a few, as the paper does.
+    """Train a policy for the left hand: on one score or a few, or for all, on exercises.
 
-    What is not said here is as in the paper. Begin with `roboguitarist train twinkle`, which takes
-    about an hour on two cores; `batch-ppo` is the only learner that needs no graphics card.
+    On scores, what is not said here is as in the paper. Begin with `roboguitarist train twinkle`,
+    which takes about an hour on two cores. `roboguitarist train --exercises 800` trains one policy
+    for every tablature: it corrects the planner, and practises what the generator makes.
 
     Attributes:
         scores: Score files, or names of pieces of the repertoire.
+        exercises: Number of generated exercises to practise instead of scores.
         algorithm: Learner: batch-ppo is this project's own, branching too, which corrects the
-            planner; the others are those of sbx, droq the paper's; batch-ppo if none is named.
+            planner; the others are those of sbx, droq the paper's; batch-ppo on scores and
+            branching on exercises if none is named.
         resume: Go on with the run in the folder, with the settings that it was begun with.
         out: Folder of the run; runs/SCORE-ALGORITHM if none is named.
         steps: Control ticks to learn from, over all hands.
@@ -145,6 +148,7 @@ class Train:
     algorithm: Literal["batch-ppo", "branching", "droq", "sac", "crossq", "tqc", "ppo"] | None = (
         None
     )
+    exercises: int | None = None
     resume: bool = False
     out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
     steps: int | None = None

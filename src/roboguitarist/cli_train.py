@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from roboguitarist.training.settings import TrainConfig
 
 
+_NOTHING = "no score (name a file or a piece, such as twinkle, or say --exercises; not both)"
+
+
 def train(command: Train) -> None:
     """Train a policy, from the beginning or from where a run stopped.
 
@@ -37,8 +40,9 @@ def train(command: Train) -> None:
     if not command.resume:
         cli_play.check_folder(folder.path)
         folder.begin(config.as_dict(), tablatures)
+    pieces = f"{config.exercises} exercises" if config.exercises else ", ".join(tablatures)
     print(
-        f"{config.algorithm} practises {', '.join(tablatures)} with {config.n_envs} hands of the"
+        f"{config.algorithm} practises {pieces} with {config.n_envs} hands of the"
         f" kind {config.task.hand}, {config.learner.steps:,} ticks in all.\n"
         f"The run is kept in {folder.path}. Ctrl-C saves it and stops.\n"
         f"Curves: tensorboard --logdir {shlex.quote(str(folder.path))}",
@@ -56,11 +60,17 @@ def usual_place(command: Train) -> Path:
     Raises:
         RoboGuitaristError: If no piece is named either.
     """
-    if not command.scores:
-        raise RoboGuitaristError("no score (name a file or a piece, such as twinkle)")
     names = [Path(score).stem for score in command.scores]
+    if command.exercises and not names:
+        names = ["exercises"]
+    if not names:
+        raise RoboGuitaristError(_NOTHING)
     seed = [] if command.seed is None else [f"seed{command.seed}"]
-    return Path("runs") / "-".join([*names, command.algorithm or "batch-ppo", *seed])
+    return Path("runs") / "-".join([*names, _algorithm(command), *seed])
+
+
+def _algorithm(command: Train) -> str:
+    return command.algorithm or ("branching" if command.exercises else "batch-ppo")
 
 
 def settings(command: Train, base: TrainConfig) -> TrainConfig:
@@ -68,7 +78,7 @@ def settings(command: Train, base: TrainConfig) -> TrainConfig:
     said = {
         name: value
         for name in ("steps", "seed", "hand", "control_hz", "mapping", "freedom", "euclidean",
-                     "n_envs")
+                     "n_envs", "exercises")
         if (value := getattr(command, name)) not in (None, False)
     }  # fmt: skip
     task = {f.name: said[f.name] for f in fields(base.task) if f.name in said}
@@ -79,19 +89,27 @@ def settings(command: Train, base: TrainConfig) -> TrainConfig:
         base,
         task=replace(base.task, **task),
         learner=replace(base.learner, **{k: said[k] for k in ("steps", "seed") if k in said}),
-        n_envs=said.get("n_envs", base.n_envs),
+        **{k: said[k] for k in ("n_envs", "exercises") if k in said},
     )
 
 
 def _new(command: Train, folder: RunFolder) -> tuple[TrainConfig, dict[str, Tablature]]:
+    from roboguitarist.training import practice  # noqa: PLC0415
     from roboguitarist.training.settings import defaults  # noqa: PLC0415
 
-    config = settings(command, defaults(command.algorithm or "batch-ppo"))
-    if not command.scores:
-        raise RoboGuitaristError("no score (name a file or a piece, such as twinkle)")
+    config = settings(command, defaults(_algorithm(command)))
+    if bool(command.scores) == bool(command.exercises):
+        raise RoboGuitaristError(_NOTHING)
     if config.learner.steps < 1:
         raise RoboGuitaristError(f"--steps {config.learner.steps} (at least 1)")
     folder.check_free()
+    if config.exercises:
+        if config.exercises < 1 or config.task.task != "guided":
+            raise RoboGuitaristError(
+                f"--exercises {config.exercises} with {config.algorithm}"
+                " (at least 1, with branching)"
+            )
+        return config, practice.exercises(config.exercises, config.learner.seed)
     tablatures = dict(cli_play.read(score, command.track) for score in command.scores)
     return config, tablatures
 
@@ -123,18 +141,19 @@ def _run(
     folder: RunFolder, learner: Learner, config: TrainConfig, tablatures: dict[str, Tablature]
 ) -> bool:
     from roboguitarist.performance import PerformConfig  # noqa: PLC0415
+    from roboguitarist.training import practice  # noqa: PLC0415
     from roboguitarist.training.evaluation import evaluator  # noqa: PLC0415
     from roboguitarist.training.loop import Rhythm, train  # noqa: PLC0415
     from roboguitarist.training.settings import EVALUATIONS  # noqa: PLC0415
 
     stage = PerformConfig(config.task.hand, config.task.guitar)
     steps = config.learner.steps
-    return train(
-        folder,
-        learner,
-        Rhythm(steps, max(steps // EVALUATIONS, 1)),
-        evaluator(tablatures, stage, config.metric),
+    look = (
+        practice.examiner(config.task, config.n_threads)
+        if config.exercises
+        else evaluator(tablatures, stage, config.metric)
     )
+    return train(folder, learner, Rhythm(steps, max(steps // EVALUATIONS, 1)), look)
 
 
 def _report(folder: RunFolder, command: Train, done: bool) -> None:

@@ -9,6 +9,7 @@ from roboguitarist.fretting.episodes import FrettingBatch
 from roboguitarist.fretting.learner import Learner
 from roboguitarist.fretting.ppo import PPO, PPOConfig
 from roboguitarist.tablature import Tablature
+from roboguitarist.training.practice import planned
 from roboguitarist.training.settings import TrainConfig
 
 
@@ -19,7 +20,8 @@ def make(config: TrainConfig, tablatures: Mapping[str, Tablature]) -> Learner:
         RoboGuitaristError: If a setting makes no sense, or sbx is needed and not installed.
     """
     several = list(tablatures.values())
-    batch = FrettingBatch(several, config.task, config.n_envs, config.n_threads)
+    plans = planned(several, config.task) if config.exercises else None
+    batch = FrettingBatch(several, config.task, config.n_envs, config.n_threads, plans)
     if isinstance(config.learner, PPOConfig):
         return PPO(batch, config.learner)
     if isinstance(config.learner, BranchingConfig):

@@ -82,6 +82,8 @@ class TrainConfig:
         task: What it learns.
         n_envs: Hands that practise at the same time (Table 2: n_env).
         n_threads: Threads of their physics, 0: the learner's own.
+        exercises: Generated exercises to learn from instead of scores, 0 for none; an exam of
+            others then judges the policy.
     """
 
     algorithm: Algorithm = "batch-ppo"
@@ -89,6 +91,7 @@ class TrainConfig:
     task: TaskConfig = field(default_factory=lambda: PAPER_TASK)
     n_envs: int = 128
     n_threads: int = 2
+    exercises: int = 0
 
     @property
     def metric(self) -> str:
