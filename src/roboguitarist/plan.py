@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -25,11 +25,14 @@ class HandPlan:
         time_s: (T,) time from the start of the piece; begins with -`LEAD_IN_S`.
         qpos: (T, nq) joint path of this hand alone, in rad and m.
         ctrl: (T, nu) servo targets of this hand alone, in rad and m.
+        grip: (T, 4) from 0 for a left finger in the air to 1 for one that is down; (0, 4) for
+            the right hand.
     """
 
     time_s: np.ndarray
     qpos: np.ndarray
     ctrl: np.ndarray
+    grip: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
 
     def save(self, path: str | Path) -> None:
         """Write to an `.npz` file."""

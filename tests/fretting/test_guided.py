@@ -6,7 +6,7 @@ from roboguitarist import exercises
 from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.fretting.env import FrettingEnv
 from roboguitarist.fretting.episodes import OBSERVATION_LIMIT, FrettingBatch
-from roboguitarist.fretting.guided import CORRECTIONS, WEIGHTS
+from roboguitarist.fretting.guided import ALOFT, CORRECTIONS, FINGERS, WEIGHTS
 from roboguitarist.fretting.task import TaskConfig
 from roboguitarist.tablature import Note, Tablature
 
@@ -61,7 +61,24 @@ def test_what_the_hand_misses_is_added_to_the_targets(tune):
     # A correction moves the place that the hand is held to, too.
     at_plan = np.full((4, tune.n_actions), 0.1)
     held = tune.task.ctrl(at_plan, at_plan, tune.hands, tune.at) - after
-    assert held[0, 0, servo] == pytest.approx(2 * 0.1 * CORRECTIONS["MFJ3"])
+    wrist = tune.hands.model.actuator("lh_A_WRJ1").id
+    assert held[0, 0, wrist] == pytest.approx(2 * 0.1 * CORRECTIONS["WRJ1"])
+
+
+def test_a_finger_that_is_down_is_corrected_in_full_and_one_in_the_air_hardly(tune):
+    tune.reset()
+    tune.tick[:] = 36  # the first note is held by one finger
+    finger = int(np.flatnonzero(tune.bank.active[0, 36])[0])
+    full, nothing = np.full((4, tune.n_actions), 0.1), np.zeros((4, tune.n_actions))
+    moved = tune.task.ctrl(full, full, tune.hands, tune.at)
+    moved -= tune.task.ctrl(nothing, nothing, tune.hands, tune.at)
+    for index, name in enumerate(FINGERS):
+        servo = tune.hands.model.actuator(f"lh_A_{name}J4").id
+        share = 1.0 if index == finger else ALOFT
+        # Added once as a correction and once as what the hand misses of it.
+        assert moved[0, 0, servo] == pytest.approx(
+            2 * 0.1 * share * CORRECTIONS[f"{name}J4"], rel=0.02
+        )
 
 
 def test_the_reward_is_shared_among_the_fingers_that_earn_it(tune):

@@ -3,13 +3,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from roboguitarist.exercises import KINDS
+from roboguitarist.exercises import KINDS, ExerciseConfig
 from roboguitarist.fingering import assign
 from roboguitarist.fretting import planner
 from roboguitarist.fretting.task import TaskConfig
 from roboguitarist.training import practice
 
 TASK = TaskConfig("guided", lead_s=0.5)
+SHORT = ExerciseConfig(duration_s=2.0)
 
 
 def test_the_same_seed_draws_the_same_exercises_and_another_seed_others():
@@ -24,7 +25,8 @@ def test_no_exercise_of_the_exam_is_ever_practised():
     assert practice.EXAM_SEED + practice.EXAMS <= low
 
 
-def test_plans_of_several_processes_are_those_of_one():
+def test_plans_of_several_processes_are_those_of_one(monkeypatch):
+    monkeypatch.setattr(practice, "EXERCISE", SHORT)
     tablatures = list(practice.exercises(3, 5).values())
     found = practice.planned(tablatures, TASK, workers=2)
     for tablature, plan in zip(tablatures, found, strict=True):
@@ -34,6 +36,7 @@ def test_plans_of_several_processes_are_those_of_one():
 @pytest.mark.slow
 def test_the_exam_judges_every_kind_and_the_same_each_time(monkeypatch):
     monkeypatch.setattr(practice, "EXAMS", 1)
+    monkeypatch.setattr(practice, "EXERCISE", SHORT)
     evaluate = practice.examiner(TASK)
     first, again = evaluate(None), evaluate(None)
     assert first == again

@@ -12,8 +12,10 @@ from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.fretting.posture import left_alone
 from roboguitarist.fretting.randomisation import Randomisation, delays, varied
 from roboguitarist.scene import LEFT_TIPS, SceneConfig
-from roboguitarist.sensing import columns, power_columns, stops
+from roboguitarist.sensing import Stops, columns, power_columns, stops
 
+SAMPLES = 5
+"""Moments of a tick at which rewards look at the strings."""
 _FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
@@ -101,7 +103,7 @@ class HandBatch:
             mujoco.mj_resetData(self.models[copy], data)
             data.qpos[:] = self.qpos[copy]
             mujoco.mj_forward(self.models[copy], data)
-            self._sensors[copy, -1] = data.sensordata
+            self._sensors[copy] = data.sensordata
 
     def step(self, ctrl: np.ndarray) -> np.ndarray:
         """Hold servo targets for one control tick.
@@ -174,6 +176,14 @@ class HandBatch:
         """Frets (N, 6) that the strings would sound, see `sensing.Stops.sounding_fret`."""
         return stops(self.model, self._sensors[:, -1], self.guitar).sounding_fret(capo)
 
+    def over_tick(self) -> Stops:
+        """How the strings were stopped at `SAMPLES` moments of the last tick, the last its end.
+
+        Copy after copy, each with its moments in order of time: N x SAMPLES in all.
+        """
+        chosen = self._sensors[:, sample_steps(self.substeps)]
+        return stops(self.model, chosen.reshape(-1, chosen.shape[-1]), self.guitar)
+
     def power_w(self) -> np.ndarray:
         """Absolute mechanical power (N,) of the servos, mean over the last tick."""
         force, velocity = (self._sensors.take(found_at, axis=2) for found_at in self._power)
@@ -182,3 +192,8 @@ class HandBatch:
     def close(self) -> None:
         """Stop the threads."""
         self._pool.close()
+
+
+def sample_steps(substeps: int) -> np.ndarray:
+    """Indices (SAMPLES,) of physics steps that are spread evenly over a tick, the last its end."""
+    return np.ceil(np.arange(1, SAMPLES + 1) * substeps / SAMPLES).astype(int) - 1

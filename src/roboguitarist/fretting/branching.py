@@ -47,16 +47,16 @@ class BranchingConfig:
         seed: Of weights, episodes, offsets and minibatches.
     """
 
-    steps: int = 6_000_000
+    steps: int = 2_500_000
     copies: int = 16
     ticks: int = 16
     epochs: int = 2
     minibatch: int = 2048
-    learning_rate: float = 1.5e-4
+    learning_rate: float = 2e-4
     discount: float = 0.93
     deviation: tuple[float, float] = (0.1, 0.06)
     clip: float = 0.2
-    effort: float = 0.003
+    effort: float = 0.01
     hidden: int = 256
     seed: int = 0
 

@@ -19,23 +19,28 @@ from roboguitarist.servo import actuator_moment
 
 _FINGER = {"J4": 0.3, "J3": 0.3, "J0": 0.5}
 CORRECTIONS: dict[str, float] = {
-    "forearm_x": 0.008,
-    "forearm_y": 0.008,
-    "forearm_z": 0.008,
-    "WRJ2": 0.1,
-    "WRJ1": 0.15,
+    "forearm_x": 0.004,
+    "forearm_y": 0.004,
+    "forearm_z": 0.002,
+    "WRJ2": 0.05,
+    "WRJ1": 0.05,
     "LFJ5": 0.2,
     **{f"{f}{j}": most for f in ("FF", "MF", "RF", "LF") for j, most in _FINGER.items()},
 }
-"""Most by which an action moves each servo target, in m and rad; the thumb's stay as planned."""
+"""Most by which an action moves each servo target, in m and rad; the thumb's stay as planned.
+
+Little for arm and wrist: what they do to one finger they do to all, and those that leave are late.
+"""
 FEEDBACK = 1.0
 """Share of what a servo misses that is added to its target, see `GuidedTask.ctrl`."""
+ALOFT = 0.25
+"""Share of its corrections that reaches a finger in the air."""
 PROMPTNESS = 0.3
 """Share of its way that a correction goes in a tick: quicker ones make hand and policy tremble."""
-READY_S = 0.04
+READY_S = 0.01
 """A string is to be ready that long before its note begins, also if one before it still sounds."""
 ONSET_S = 0.05
-"""It counts more from then on until that long after the note has begun."""
+"""It counts more from that long before until a tick after the note has begun."""
 MARGIN_M = 0.03
 """Distance from the key at which a tenth of the finger's reward is left."""
 AHEAD_TICKS = (3, 8)
@@ -54,10 +59,12 @@ class Guide:
     Attributes:
         qpos: (K, T + 1, nq) float32, planned posture at the beginning of each tick.
         ctrl: (K, T, k, nu) float32, planned servo targets in k parts of each tick.
+        grip: (K, T, k, 4) float32, how far each finger is down, 0 to 1.
     """
 
     qpos: np.ndarray
     ctrl: np.ndarray
+    grip: np.ndarray
 
 
 def guide(plans: Sequence[HandPlan], bank: Bank, config: TaskConfig) -> Guide:
@@ -71,13 +78,14 @@ def guide(plans: Sequence[HandPlan], bank: Bank, config: TaskConfig) -> Guide:
     if config.lead_s > LEAD_IN_S:
         raise RoboGuitaristError(f"lead_s {config.lead_s:g} (at most {LEAD_IN_S:g} with a plan)")
     parts = parts_of_tick(config)
-    qpos, ctrl = [], []
+    qpos, ctrl, grip = [], [], []
     for plan, length in zip(plans, bank.length.tolist(), strict=True):
         ticks = np.arange(length + 1) / config.control_hz - config.lead_s
         samples = np.arange(length * parts) / (parts * config.control_hz) - config.lead_s
         ctrl.append(_sampled(plan.time_s, plan.ctrl, samples).reshape(length, parts, -1))
+        grip.append(_sampled(plan.time_s, plan.grip, samples).reshape(length, parts, -1))
         qpos.append(_sampled(plan.time_s, plan.qpos, ticks))
-    return Guide(padded(qpos), padded(ctrl))
+    return Guide(padded(qpos), padded(ctrl), padded(grip))
 
 
 def parts_of_tick(config: TaskConfig) -> int:
@@ -136,18 +144,29 @@ class GuidedTask:
     ) -> np.ndarray:
         """Planned targets, corrected by the action and by how far the hand is from both.
 
-        The corrections go evenly from the last ones to these. What the hand missed of plan and
-        corrections at the beginning of the tick is added: the servos alone are too weak to hold a
-        finger against its neighbours.
+        The corrections of a finger count in full while it is down. They go evenly from the last
+        ones to these. What the hand missed of plan and corrections at the beginning of the tick is
+        added: the servos alone are too weak to hold a finger against its neighbours.
         """
         targets = self.guide.ctrl[at].astype(float)
         share = (np.arange(targets.shape[1]) + 1.0)[:, None] / targets.shape[1]
         old, new = last_action[:, None], np.clip(action, -1.0, 1.0)[:, None]
-        targets[:, :, self._servos] += (old + share * (new - old)) * self._most
+        most = self._most * self._say(at)
+        targets[:, :, self._servos] += (old + share * (new - old)) * most
         missed = (self.guide.qpos[at] - hands.qpos) @ self._moment.T
-        missed[:, self._servos] += last_action * self._most
+        missed[:, self._servos] += last_action * most[:, 0]
         targets += FEEDBACK * missed[:, None]
         return np.clip(targets, *self._range)
+
+    def _say(self, at: Place) -> np.ndarray:
+        """How much of each correction (N, k, A) counts: a finger's in full while it is down.
+
+        A finger in the air goes nearly as planned, so that what was right for the press ends
+        with it.
+        """
+        grip = self.guide.grip[at]
+        grip = np.concatenate([grip, np.ones_like(grip[..., :1])], axis=-1)
+        return ALOFT + (1.0 - ALOFT) * grip[..., self.groups]
 
     def taken(self, action: np.ndarray, last_action: np.ndarray) -> np.ndarray:
         """A part of the way from the last correction to the one that is asked for."""
@@ -213,22 +232,10 @@ class GuidedTask:
         )
 
     def reward(self, hands: Hands, at: Place, change: np.ndarray) -> tuple[np.ndarray, Terms]:
-        """What would be heard at the end of the tick, by the fingers that hold it and the rest."""
+        """What would be heard during the tick, by the fingers that hold it and the rest."""
         bank = self.bank
         now = at[0], np.minimum(at[1] + 1, bank.fret.shape[1] - 1)
-        capo = bank.capo[at[0]][:, None]
-        soon = bank.until_onset_s[now] < np.where(bank.asked[now], READY_S, ONSET_S)
-        begun = bank.until_onset_s[at] < ONSET_S
-        wanted = np.where(soon, bank.next_fret[now], bank.fret[now])
-        sounding = hands.sounding_fret()
-        sounding = np.where(sounding == DEAD, DEAD, np.maximum(sounding, capo))
-        playing = rewards.playing_reward(
-            hands.press_force_n(),
-            sounding,
-            np.maximum(wanted, capo),
-            bank.asked[now] | soon,
-            soon | begun,
-        )
+        playing = self._heard(hands, at)
         near = rewards.nearness(
             hands.tip_m,
             bank.key_m[now],
@@ -248,6 +255,28 @@ class GuidedTask:
         sums = {"playing": playing.sum(axis=1), "finger": near.sum(axis=1) + idle}
         terms = {name: np.minimum(value, 1.0) for name, value in sums.items()} | {"calm": calm}
         return parts, terms
+
+    def _heard(self, hands: Hands, at: Place) -> np.ndarray:
+        """What each string (N, 6) adds to the reward, in the mean over moments of the tick.
+
+        A string is to sound what it is asked to at the tick's beginning, and its next note from
+        a little before that begins.
+        """
+        bank, held = self.bank, hands.over_tick()
+        n_envs = len(at[0])
+        n_samples = len(held.force_n) // n_envs
+        passed_s = np.arange(1, n_samples + 1) / (n_samples * self.config.control_hz)
+        until_s = bank.until_onset_s[at][:, None] - passed_s[:, None]
+        asked, fret = bank.asked[at][:, None], bank.fret[at][:, None]
+        ready_s = np.where(asked, READY_S, ONSET_S)
+        soon = until_s < ready_s
+        wanted = np.where(soon, bank.next_fret[at][:, None], fret)
+        capo = bank.capo[at[0]][:, None, None]
+        sounding = held.sounding_fret().reshape(n_envs, n_samples, 6)
+        sounding = np.where(sounding == DEAD, DEAD, np.maximum(sounding, capo))
+        rows = (sounding, np.maximum(wanted, capo), asked | soon, until_s < ONSET_S)
+        playing = rewards.playing_reward(held.force_n, *(row.reshape(-1, 6) for row in rows))
+        return playing.reshape(n_envs, n_samples, 6).mean(axis=1)
 
     def _shared(self, playing: np.ndarray, at: Place) -> np.ndarray:
         """What the strings (N, 6) add, by the fingers that hold them and, last, by none: (N, 5)."""

@@ -38,6 +38,10 @@ class Reading:
         """Fret (1, 6) that each string would sound."""
         return self.held.sounding_fret(capo)
 
+    def over_tick(self) -> Stops:
+        """At the end of the tick alone: nobody is paid on stage."""
+        return self.held
+
     def power_w(self) -> np.ndarray:
         """Absolute mechanical power (1,) over the last tick."""
         return self.mean_power_w
@@ -119,7 +123,7 @@ class Pilot:
             np.abs(force * velocity).sum(axis=1).mean(keepdims=True),
         )
         reward = np.zeros(1)
-        if tick and self._policy:
+        if tick and self._policy and isinstance(self._task, PaperTask):
             before = np.zeros(1, int), np.full(1, tick - 1)
             reward = self._task.reward(reading, before, self._change)[0].sum(axis=1)
         at = np.zeros(1, int), np.full(1, tick)

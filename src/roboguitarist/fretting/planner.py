@@ -91,7 +91,8 @@ def plan(
     )  # fmt: skip
     qpos = PchipInterpolator(time_s[knots], follow(hand, paths), axis=0)(time_s)
     contact = contact_torque(hand.model, qpos, config.force_n * tips.force, tips.flat)
-    return HandPlan(time_s, qpos, servo_targets(left_alone(scene), qpos, PLAN_HZ, contact))
+    ctrl = servo_targets(left_alone(scene), qpos, PLAN_HZ, contact)
+    return HandPlan(time_s, qpos, ctrl, tips.grip)
 
 
 def knot_indices(turning_s: list[float], time_s: np.ndarray) -> np.ndarray:

@@ -24,6 +24,8 @@ REACH_M = 0.1
 """Margin of the fingers' rewards."""
 FIRM_N = 1.5
 """Force with which a string is held firmly: half as much again as the least that frets it."""
+HARD_N = 4.0
+"""Force above which a press is too hard; at twice that nothing of the force's reward is left."""
 ASKED = 4.0
 """Weight of a string that is asked, against one that is not."""
 ENERGY_COEFFICIENT = 0.0025
@@ -195,7 +197,8 @@ def playing_reward(
 
     A string that is asked counts `ASKED`, and three times that around its onset: 1 if it would
     sound the right fret and, where that is stopped, is held with `FIRM_N`; 0.3 of it is for the
-    force, which leads a light finger on. A string that is not asked counts 1: it is not to be
+    force, which leads a light finger on and a hard one back: more than `HARD_N` makes it late when
+    it is to leave. A string that is not asked counts 1: it is not to be
     fretted.
 
     Args:
@@ -213,8 +216,9 @@ def playing_reward(
     firm = np.clip(np.where(frets == wanted_fret[..., None], force_n, 0.0).sum(-1) / FIRM_N, 0, 1)
     right = sounding_fret == wanted_fret
     strength = np.where(stopped[..., 0], firm, right)
+    strength = strength - np.clip(force_n.max(axis=-1) / HARD_N - 1.0, 0.0, 1.0)
     free = (force_n < PRESS_THRESHOLD_N).all(axis=-1)
-    value = np.where(asked, 0.7 * right + 0.3 * strength, free)
+    value = np.where(asked, 0.7 * right + 0.3 * np.maximum(strength, 0.0), free)
     weight = np.where(asked, ASKED * np.where(onset, 3.0, 1.0), 1.0)
     return weight * value / weight.sum(axis=-1, keepdims=True)
 

@@ -41,7 +41,7 @@ class Pace:
     hover_m: float = 0.0277
     ready_m: float = 0.010
     early_s: float = 0.0479
-    release_s: float = 0.025
+    release_s: float = 0.03
     drop_s: float = 0.07
     lift_s: float = 0.0657
     reach_s: float = 0.07

@@ -13,6 +13,7 @@ from roboguitarist.fretting.rewards import ENERGY_COEFFICIENT, Kind
 from roboguitarist.guitar import preset
 from roboguitarist.hands import Variant
 from roboguitarist.scene import SceneConfig
+from roboguitarist.sensing import Stops
 
 TaskName = Literal["paper", "guided"]
 StringGoal = Literal["simplified", "one_hot"]
@@ -133,6 +134,10 @@ class Hands(Protocol):
 
     def sounding_fret(self, capo: int = 0) -> np.ndarray:
         """(N, 6) fret that each string would sound."""
+        ...
+
+    def over_tick(self) -> Stops:
+        """How the strings were stopped during the last tick, see `batch.HandBatch.over_tick`."""
         ...
 
     def power_w(self) -> np.ndarray:

@@ -103,12 +103,12 @@ class _Count:
         return self.ready / max(self.onsets, 1)
 
 
-def examiner(config: TaskConfig, n_threads: int = 0) -> Callable[[Policy], Evaluation]:
+def examiner(config: TaskConfig, n_threads: int = 0) -> Callable[[Policy | None], Evaluation]:
     """What lets a policy play exercises that nobody practises, with the left hand alone.
 
     The score is the mean of `frame`, the F1 of the keys held at each tick, and `onset`, the share
-    of notes whose string would sound right within a tick before they begin; open strings count in
-    the latter.
+    of notes whose string would sound right at the end of the tick that is nearest to their onset;
+    open strings count in the latter.
 
     Args:
         config: The task.
@@ -153,7 +153,7 @@ def _played(batch: FrettingBatch, policy: Policy | None) -> list[_Count]:
         held = hands.press_force_n() >= PRESS_THRESHOLD_N
         wanted = bank.fret[now][..., None] == frets
         until_s = bank.until_onset_s[episode, tick]
-        onset = (until_s > tick_s * 1.001) & (until_s <= tick_s * 2.001)
+        onset = (until_s > 0.501 * tick_s) & (until_s <= 1.501 * tick_s)
         ready = onset & (hands.sounding_fret() == bank.next_fret[episode, tick])
         for one in np.flatnonzero(live):
             counts[one].add(_Count(
