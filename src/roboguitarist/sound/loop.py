@@ -103,8 +103,8 @@ def _nearest(
         exact: The response there.
     """
     correlation = np.fft.irfft(weight)[:taps]
-    turning = np.exp(-1j * omega * np.arange(taps))
-    constraints = np.column_stack([turning.real, turning.imag])
+    turning = omega * np.arange(taps)
+    constraints = np.column_stack([np.cos(turning), -np.sin(turning)])
     right = np.column_stack([np.fft.irfft(weight * wanted)[:taps], constraints])
     free, *moving = solve_toeplitz(correlation, right).T
     moving = np.column_stack(moving)
