@@ -15,7 +15,7 @@ PACKAGE = ROOT / "src" / "roboguitarist"
 # The way of the data. What is to the left knows nothing of what is to the right.
 ORDER = (
     "errors storage tablature pieces registration guitar fingering formats exercises "
-    "engraving hands looks scene sensing kinematics plan servo plucking fretting policies "
+    "engraving hands looks scene sensing ik_tasks kinematics plan servo plucking fretting policies "
     "performance transcription alignment metrics training sound ringing replay video export "
     "viewer live cli_report cli_play cli_export cli_train cli"
 ).split()

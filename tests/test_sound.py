@@ -12,8 +12,9 @@ from roboguitarist.errors import RoboGuitaristError
 from roboguitarist.performance import DEAD, Performance
 from roboguitarist.sound.damping import Tone
 from roboguitarist.sound.events import string_events
+from roboguitarist.sound.loop import tuned_loop
 from roboguitarist.sound.mix import CEILING, TAIL_S, limited
-from roboguitarist.sound.strings import ALONG, pluck_excitation, ring, strength, tuned_loop
+from roboguitarist.sound.strings import ALONG, pluck_excitation, ring, strength
 from roboguitarist.tablature import STANDARD_TUNING, Tablature
 
 RATE_HZ = 44100
@@ -117,10 +118,41 @@ def test_every_string_and_fret_is_in_tune_with_the_body(string):
         assert abs(cents(fundamental_hz(samples[start:], wanted_hz), wanted_hz)) < 1.0
 
 
+@pytest.mark.parametrize(("string", "fret"), [(1, 0), (2, 5), (3, 0), (3, 12), (4, 3), (6, 0)])
+def test_partials_are_sharp_by_the_stiffness_of_the_string(string, fret):
+    frequency_hz = pitch_hz(STANDARD_TUNING[string - 1] + fret)
+    tone = Tone(string, frequency_hz, 0.65 * 2 ** (-fret / 12))
+    samples = mono(playing([(0.0, string, fret, 0.5)], duration_s=1))[RATE_HZ // 10 :]
+    for n in range(1, int(min(12, 4000 / frequency_hz)) + 1):
+        sharp_hz = float(tone.partial_hz(n))
+        assert abs(cents(fundamental_hz(samples, sharp_hz), sharp_hz)) < 1.0
+    assert n >= 6
+    assert cents(sharp_hz, n * frequency_hz) > 1.0
+
+
 @given(st.floats(60.0, 1300.0), st.sampled_from([22050, 44100, 48000]))
 def test_loop_loses_at_every_frequency(frequency_hz, rate_hz):
     kernel = tuned_loop(tone_at(frequency_hz), rate_hz).kernel
-    assert np.abs(np.fft.rfft(kernel, 1024)).max() < 1.0
+    assert np.abs(np.fft.rfft(kernel, 65536)).max() < 1.0
+
+
+@pytest.mark.parametrize("rate_hz", [22050, 44100, 48000])
+@pytest.mark.parametrize("string", range(1, 7))
+def test_a_loop_has_pitch_and_loss_of_every_partial(string, rate_hz):
+    for fret in range(20):
+        frequency_hz = pitch_hz(STANDARD_TUNING[string - 1] + fret)
+        tone = Tone(string, frequency_hz, 0.65 * 2 ** (-fret / 12))
+        loop = tuned_loop(tone, rate_hz)
+        n = np.arange(1, int(tone.partial_at(5000.0)) + 1)
+        omega = 2 * np.pi * tone.partial_hz(n) / rate_hz
+        taps = loop.delay + np.arange(len(loop.kernel))
+        response = np.exp(-1j * np.outer(omega, taps)) @ loop.kernel
+        off_cents = 1200 / np.log(2) * np.angle(response) / (2 * np.pi * n)
+        assert np.abs(off_cents).max() < 0.5
+        rates = -np.log(np.abs(response)) * frequency_hz
+        ratio = rates / tone.decay_rate(tone.partial_hz(n))
+        assert np.all((ratio > 0.5) & (ratio < 1.5))
+        assert ratio[0] == pytest.approx(1.0, abs=1e-3)
 
 
 @given(st.floats(60.0, 1300.0), st.integers(1, 5000))

@@ -101,6 +101,18 @@ def test_bodies_move_as_in_the_simulation(content, performance):
             assert (turn.inv() * wanted).magnitude() < 5e-4
 
 
+def test_what_is_bent_and_never_moves_is_bent(performance):
+    model = replay.scene(performance)
+    qpos = performance.qpos.copy()
+    for joint in ("rh_FFJ3", "rh_THJ4", "lh_LFJ3"):
+        qpos[:, model.joint(joint).qposadr[0]] = 0.6
+    content = unpacked_glb(animated_scene(replace(performance, qpos=qpos)))
+    positions, _ = replay.body_poses(model, qpos[:1])
+    for name in ("rh_ffdistal", "rh_thdistal", "lh_lfdistal"):
+        _, place = world_pose(content, {}, name, 0)
+        np.testing.assert_allclose(place, positions[0, model.body(name).id], atol=5e-5)
+
+
 def test_there_are_thirty_pictures_a_second_from_the_lead_on(content, performance):
     scene, _ = content
     (sampler, *others) = scene["animations"][0]["samplers"]

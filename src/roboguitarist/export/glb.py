@@ -87,13 +87,10 @@ class _Parts:
         self._materials = [self._material(index) for index in range(model.nmat)]
 
     def node(self, body: int) -> int:
-        """A body with what is seen of it; its place in the parent is that of the posture zero."""
+        """A body with what is seen of it; `_animate` puts it in its place."""
         model, document = self._model, self._document
         name = model.body(body).name if body else "roboguitarist"
         properties: dict[str, Any] = {"name": name}
-        if body:
-            properties["translation"] = model.body_pos[body].tolist()
-            properties["rotation"] = np.roll(model.body_quat[body], -1).tolist()
         own = (model.geom_bodyid == body) & (model.geom_group == VISUAL_GROUP)
         geoms: list[int] = np.flatnonzero(own).tolist()
         apart = [geom for geom in geoms if model.geom(geom).name.endswith("_seen") and not body]
@@ -198,7 +195,10 @@ def _animate(
     nodes: list[int],
     times_s: np.ndarray,
 ) -> None:
-    """Add one animation that moves every body that moves, in the frame of its parent."""
+    """Put every body where it is first, and add one animation of those that move.
+
+    Both in the frame of the body's parent. A finger that never moves may be bent all the same.
+    """
     channels, samplers = [], []
     input_ = document.array(times_s.astype(np.float32), bounds=True)
 
@@ -209,6 +209,8 @@ def _animate(
 
     for body in range(1, model.nbody):
         offset, turn = _in_parent(model, poses, body)
+        node = document.items["nodes"][nodes[body]]
+        node["translation"], node["rotation"] = offset[0].tolist(), turn[0].tolist()
         if np.ptp(offset, axis=0).max() > STILL_M:
             move(nodes[body], "translation", offset.astype(np.float32))
         if np.ptp(turn, axis=0).max() > STILL_RAD:

@@ -1,10 +1,7 @@
 """One string: a Karplus-Strong loop, excited by plucks.
 
 The loop is y[n] = x[n] + sum_k h[k] y[n - N - k]: a round trip along the string delays by one
-period and loses a little. The kernel h is a sampled Gaussian. Its sum is the loss of the
-fundamental, as `damping` has it; its width is what higher partials lose beside that, growing with
-the square of the frequency and right at 3 kHz where sampling allows; its centre, between samples,
-tunes the string; and as its taps are positive and add up to less than 1, no frequency can grow.
+period and loses a little. `loop` finds the delay N and the kernel h for a string.
 
 After K. Karplus and A. Strong, "Digital synthesis of plucked-string and drum timbres", and
 D. Jaffe and J. Smith, "Extensions of the Karplus-Strong plucked-string algorithm", both Computer
@@ -15,25 +12,14 @@ same 22(3), 1998.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import lru_cache
-
 import numpy as np
 from scipy.signal import lfilter
 
-from roboguitarist.errors import RoboGuitaristError
-from roboguitarist.sound.damping import LN_60_DB, Tone
+from roboguitarist.sound.damping import LN_60_DB
+from roboguitarist.sound.loop import Loop
 
-BRIGHT_HZ = 3000.0
-"""Where, beside the fundamental, the loss is right."""
 ALONG = 0.15
 """How loud the polarisation along the top is beside that across it, at the start."""
-MIN_VARIANCE = 0.25
-"""Least variance of the kernel in samples squared; below it the Gaussian is undersampled."""
-GREATEST_SUM = 1 - 1e-6
-"""Of a kernel's taps; less than 1, so that no frequency grows."""
-MAX_HALF_WIDTH = 5
-"""Most taps on either side of the kernel's middle; numpy convolves up to 11 taps fastest."""
 DEAD_DECAY_S = 0.025
 """Time for 60 dB of decay of the noise of a touched string."""
 HALF_SPEED_M_S = 0.3
@@ -44,68 +30,8 @@ BLOCK = 200
 """Samples from which on longer blocks save no more time."""
 
 
-@dataclass(frozen=True)
-class Loop:
-    """A tuned string loop.
-
-    Attributes:
-        period: Samples in a period, not whole.
-        delay: Whole samples N of delay before the first tap.
-        kernel: (K,) taps h, positive, adding up to less than 1.
-        audible: Samples after which nothing is heard, 96 dB below the start.
-        lingering: How much slower, per sample, the polarisation along the top dies away.
-    """
-
-    period: float
-    delay: int
-    kernel: np.ndarray
-    audible: int
-    lingering: float = 0.0
-
-
 MUTE = Loop(1.0, BLOCK, np.zeros(1), 0)
 """A touched string: nothing comes back."""
-
-
-@lru_cache(maxsize=512)
-def tuned_loop(tone: Tone, rate_hz: int) -> Loop:
-    """Loop that rings as a string does.
-
-    The centre and the sum of the kernel are corrected until the phase delay of the whole loop at
-    the fundamental is one period and its loss there that of the tone.
-
-    Raises:
-        RoboGuitaristError: If the sampling rate is too low for this frequency.
-    """
-    frequency_hz = tone.frequency_hz
-    period = rate_hz / frequency_hz
-    omega = 2 * np.pi / period
-    gain = np.exp(-float(tone.decay_rate(frequency_hz)) / frequency_hz)
-    variance = _variance(tone, rate_hz)
-    half = min(int(np.ceil(4 * np.sqrt(variance))), MAX_HALF_WIDTH)
-    delay = round(period) - half
-    if delay < 1:
-        reason = f"{rate_hz} samples a second are too few for a string of {frequency_hz:.0f} Hz"
-        raise RoboGuitaristError(reason)
-    taps = np.arange(2 * half + 1)
-    centre = wanted = period - delay
-    kernel = np.empty(0)
-    for _ in range(4):
-        kernel = np.exp(-((taps - centre) ** 2) / (2 * variance))
-        response = kernel @ np.exp(-1j * omega * (taps - half))
-        kernel *= min(gain / abs(response), GREATEST_SUM / kernel.sum())
-        centre += wanted - (half - np.angle(response) / omega)
-    audible = round(1.6 * tone.decay_s(across=False) * rate_hz)
-    lingering = (tone.bridge_rate() - tone.bridge_rate(across=False)) / rate_hz
-    return Loop(period, delay, kernel, audible, lingering)
-
-
-def _variance(tone: Tone, rate_hz: int) -> float:
-    """Of the kernel in samples squared, for the loss at `BRIGHT_HZ` beside the fundamental's."""
-    rates = tone.decay_rate(np.array([tone.frequency_hz, BRIGHT_HZ]))
-    omegas = 2 * np.pi * np.array([tone.frequency_hz, BRIGHT_HZ]) / rate_hz
-    steepness = 2 * np.diff(rates)[0] / np.diff(np.square(omegas))[0]
-    return max(float(steepness / tone.frequency_hz), MIN_VARIANCE)
 
 
 def ring(loop: Loop, excitation: np.ndarray, length: int) -> np.ndarray:

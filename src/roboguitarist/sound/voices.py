@@ -11,14 +11,13 @@ from roboguitarist import guitar
 from roboguitarist.performance import DEAD, PRESS_THRESHOLD_N, Performance
 from roboguitarist.sound.damping import LN_60_DB, Tone
 from roboguitarist.sound.events import NO_PLUCK, Event, Move, string_events
+from roboguitarist.sound.loop import Loop, tuned_loop
 from roboguitarist.sound.strings import (
     MUTE,
     SILENCE,
-    Loop,
     dead_excitation,
     pluck_excitation,
     ring,
-    tuned_loop,
     two_polarisations,
 )
 
@@ -30,7 +29,7 @@ KEPT = {Move.HAMMER_ON: 0.5, Move.PULL_OFF: 0.45, Move.SLIDE: 0.35, Move.DAMP: 0
 """What is left of a ringing that the left hand takes to another fret."""
 FIRM_N = 1.6
 """Press force from which on a fretted string does not buzz; below, it meets the wire."""
-BUZZ = 4.0
+BUZZ = 7.0
 """Strength of the worst buzz."""
 
 
