@@ -19,7 +19,7 @@ _LOOSE = (
     re.compile(r"\W*(?P<name>capo)\W+(?:\w+\W+){0,2}?(?P<value>\d{1,2}(?!\d)|[IVX]+\b).*", re.I),
     re.compile(r"\W*(?P<value>\d{2,3})\s*(?P<name>bpm)\b.*", re.I),
 )
-_ROMAN = "I II III IV V VI VII VIII IX X XI XII".split()
+_ROMAN: tuple[str, ...] = tuple("I II III IV V VI VII VIII IX X XI XII".split())
 
 
 @dataclass(frozen=True, slots=True)
