@@ -73,6 +73,73 @@ def test_tuning_comes_from_labels_and_lines_may_stand_upside_down():
     assert [note.string for note in unrolled(ascii_tab.read(bare)).notes] == [1]
 
 
+def test_numbers_and_words_say_how_strings_are_tuned():
+    numbered = tab("-3---", labels="123456")
+    assert [(n.string, n.fret) for n in numbered.notes] == [(1, 3)]
+    assert tab("-3---", labels="654321").notes[0].string == 6
+    system = "\n".join(f"{name}|-1-2-|" for name in "eBGDAE")
+    for words, tuning in (
+        ("Tuning: Drop D", (64, 59, 55, 50, 45, 38)),
+        ("Drop-D tuning", (64, 59, 55, 50, 45, 38)),
+        ("Tuning: DADGAD", (62, 57, 55, 50, 45, 38)),
+        ("Standard (E A D G B e)", (64, 59, 55, 50, 45, 40)),
+        ("tuned down a half step", (63, 58, 54, 49, 44, 39)),
+        ("Half step down (Eb Ab Db Gb Bb eb)", (63, 58, 54, 49, 44, 39)),
+    ):
+        assert unrolled(ascii_tab.read(f"{words}\n\n{system}")).tuning == tuning
+
+
+@pytest.mark.parametrize(
+    ("words", "capo"),
+    [
+        ("Capo: 2nd fret", 2),
+        ("Capo 3", 3),
+        ("(capo on the 4th fret)", 4),
+        ("Capo: III", 3),
+        ("Capo: none", 0),
+        ("No capo", 0),
+    ],
+)
+def test_a_capo_in_words(words, capo):
+    system = "\n".join(f"{name}|-1-2-|" for name in "eBGDAE")
+    assert unrolled(ascii_tab.read(f"{words}\n{system}")).capo == capo
+
+
+def test_a_tempo_in_words_is_reported():
+    system = "\n".join(f"{name}|-1-2-|" for name in "eBGDAE")
+    tablature = unrolled(ascii_tab.read(f"Tempo: slow\n{system}"))
+    assert tablature.warnings == ("tempo 'slow' is no number, 120 is taken",)
+
+
+def test_frets_of_one_and_two_digits_make_a_chord_flush_left_or_right():
+    rows = ["-10--12-", "--8--(9)", "-9---12-", "-(7)----", "--------", "--------"]
+    text = "\n".join(f"{name}|{row}|" for name, row in zip("eBGDAE", rows, strict=True))
+    notes = [(n.onset_s, n.string, n.fret) for n in unrolled(ascii_tab.read(text)).notes]
+    assert [place for at, *place in notes if at == 0.0] == [[1, 10], [2, 8], [3, 9], [4, 7]]
+    assert {at for at, *_ in notes} == {0.0, 0.5}
+
+
+def test_what_word_processors_and_web_sites_make_of_a_tab_is_read():
+    system = "\n".join(f"{name}|-1-2-|" for name in "eBGDAE")
+    plain = unrolled(ascii_tab.read(system))
+    typed = system.replace("-", "–").replace("|", "│")
+    assert unrolled(ascii_tab.read(typed)) == plain
+    tagged = f"[ch]Am[/ch]\n[tab]{system}[/tab]"
+    assert ascii_tab.is_tab(tagged)
+    assert unrolled(ascii_tab.read(tagged)) == plain
+    labelled = "\n".join(f"{name}-|-1-2-|  let ring" for name in "EBGDAE")
+    assert unrolled(ascii_tab.read(labelled)) == plain
+
+
+def test_times_behind_a_system_repeat_that_system():
+    def system(fret):
+        return "\n".join(f"{name}|-{fret}---|" for name in "eBGDAE")
+
+    text = f"{system(1)}\n\n{system(2)} (play 3 times)\n"
+    frets = [n.fret for n in unrolled(ascii_tab.read(text)).notes if n.string == 1]
+    assert frets == [1, 2, 2, 2]
+
+
 def test_repeats_are_played():
     rows = ["|:-1-2-:|-3-|", "|:-----:|---|", *["|------|---|".replace("|-", "|--", 1)] * 4]
     notes = unrolled(ascii_tab.read("\n".join(rows))).notes

@@ -1,6 +1,7 @@
 """Files that are made to harm, or that make no sense: one line each, soon, in little memory."""
 
 import io
+import random
 import time
 import tracemalloc
 import zipfile
@@ -10,7 +11,9 @@ import pytest
 from musicxml_texts import CONTAINER, archive, attributes, note, score
 from score_files import ASCII, FILES, gp, gpif, guitar_pro, musicxml, packed
 
+from complaints import complaint
 from roboguitarist import formats
+from roboguitarist.cli import main
 from roboguitarist.errors import TabError
 
 LOLS = "".join(f'<!ENTITY l{k} "{f"&l{k - 1};" * 10}">' for k in range(1, 10))
@@ -55,6 +58,23 @@ def drums():
     return buffer.getvalue()
 
 
+def unended(n_ended):
+    """A note that is never let go, and after it some that are."""
+    track = mido.MidiTrack([mido.Message("note_on", note=48, velocity=70)])
+    for _ in range(n_ended):
+        track.append(mido.Message("note_on", note=64, velocity=70))
+        track.append(mido.Message("note_off", note=64, time=480))
+    file = mido.MidiFile(type=0, ticks_per_beat=480)
+    file.tracks.append(track)
+    buffer = io.BytesIO()
+    file.save(file=buffer)
+    return buffer.getvalue()
+
+
+def silent():
+    return "\n".join(f"{name}|----|----|" for name in "eBGDAE").encode()
+
+
 def for_ever():
     """More repeats than anyone would play, and a da capo behind them."""
     bar = note("C4") + '<barline><repeat direction="backward" times="100"/></barline>'
@@ -71,6 +91,9 @@ def gpif_with(old, new):
     return gp(text.replace(old, new).encode())
 
 
+CUT = {"a.alphatex": 0.8, "a.txt": 0.6}
+"""Where files are cut off; text that ends between notes is a shorter text, and no fault."""
+TRUNCATED = {name: made()[: int(len(made()) * CUT.get(name, 0.5))] for name, made in FILES.items()}
 REFUSED = {
     "empty.gp5": (b"", "empty"),
     "zeros.mid": (bytes(100), "empty"),
@@ -109,7 +132,21 @@ REFUSED = {
         score(attributes("<divisions>0</divisions>") + note("C4")),
         "divisions of 0",
     ),
-    "repeats.musicxml": (for_ever(), "repeats make more than"),
+    "repeats.musicxml": (for_ever(), "repeats make more than|played for ever"),
+    "dacapo.musicxml": (
+        score(note("C4"), note("D4") + '<direction><sound dacapo="yes"/></direction>'),
+        "bar 2: this da capo would be played for ever",
+    ),
+    "transposed.musicxml": (
+        score(
+            attributes("<transpose><octave-change>-9999999</octave-change></transpose>")
+            + note("C4")
+        ),
+        "transposition by",
+    ),
+    "unended.mid": (unended(n_ended=1), "1 of its 2 notes never end"),
+    "silent.txt": (silent(), "no notes"),
+    **{f"truncated.{name}": (data, None) for name, data in TRUNCATED.items()},
     "fret99.gp": (gpif_with("<Fret>3</Fret>", "<Fret>99</Fret>"), "fret 99"),
     "fret-3.gp": (gpif_with("<Fret>3</Fret>", "<Fret>-3</Fret>"), "fret -3"),
     "abc.gp": (gpif_with("<Fret>3</Fret>", "<Fret>abc</Fret>"), "'abc' is not a number"),
@@ -167,6 +204,30 @@ def test_it_is_refused_in_one_line_soon_and_in_little_memory(tmp_path, name):
         assert any(part in message for part in reason.split("|")), message
 
 
+@pytest.mark.parametrize("name", REFUSED)
+def test_the_command_line_says_so_in_one_line(tmp_path, capsys, name):
+    path = _written(tmp_path / name, REFUSED[name][0])
+    assert main(["finger", str(path)]) == 2
+    assert name in complaint(capsys)
+    assert main(["convert", str(path), str(tmp_path / "out.json")]) == 2
+    assert name in complaint(capsys)
+    assert sorted(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_flipped_bit_is_read_or_refused_in_one_line(tmp_path, capsys, name):
+    rng = random.Random(name)
+    for _ in range(12):
+        data = bytearray(FILES[name]())
+        data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
+        path = _written(tmp_path / name, bytes(data))
+        status = main(["convert", str(path), str(tmp_path / "out.json")])
+        assert status in (0, 2)
+        if status:
+            assert name in complaint(capsys)
+        capsys.readouterr()
+
+
 def test_xml_in_the_encoding_that_it_declares_is_read(tmp_path):
     text = musicxml().decode().replace("Guitar", "Gitarre für zwei Hände")
     expected = formats.load(_written(tmp_path / "a.xml", text.encode()))
@@ -178,7 +239,8 @@ def test_xml_in_the_encoding_that_it_declares_is_read(tmp_path):
 
 def test_a_da_capo_from_every_bar_comes_to_an_end(tmp_path):
     bar = '<direction><sound dacapo="yes" dalsegno="x"/></direction>' + note("C4")
-    path = _written(tmp_path / "a.xml", score(*[bar] * 9))
+    fine = bar.replace("<sound", '<sound fine="yes"')
+    path = _written(tmp_path / "a.xml", score(*[bar] * 8, fine))
     assert len(formats.load(path).notes) == 10
 
 
@@ -189,15 +251,8 @@ def test_a_tab_in_an_old_code_is_read(tmp_path):
 
 
 def test_a_note_that_never_ends_lasts_until_its_track_does(tmp_path):
-    track = mido.MidiTrack()
-    for pitch in (60, 64):
-        track.append(mido.Message("note_on", note=pitch, velocity=70, time=0))
-    track.append(mido.Message("note_off", note=60, time=960))
-    file = mido.MidiFile(type=0, ticks_per_beat=480)
-    file.tracks.append(track)
-    file.save(tmp_path / "a.mid")
-    tablature = formats.load(tmp_path / "a.mid")
-    assert [note.duration_s for note in tablature.notes] == [1.0, 1.0]
+    tablature = formats.load(_written(tmp_path / "a.mid", unended(n_ended=10)))
+    assert tablature.notes[0].duration_s == 10 * 0.5
     assert any("1 notes never end" in line for line in tablature.warnings)
 
 

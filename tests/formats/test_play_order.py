@@ -59,14 +59,20 @@ def bars(text: str) -> list[WrittenBar]:
         ("a, b fine, c DC", "12312"),
         ("a, segno b, c fine, d DS", "123423"),
         ("a, b to_coda, c DC, coda d", "123124"),
-        ("|: a, [1 b :|, [2 c, d DC", "1213413 4"),
-        ("|: a :|, b DC", "11212"),
-        ("a, b DS, c", "12123"),
+        ("|: a, [1 b :|, [2 c, d DC, e fine", "1213413 45"),
+        ("|: a :|, b DC, c fine", "112123"),
+        ("a, b DS, c fine", "12123"),
         ("a, b fine, c to_coda, coda d", "1234"),
     ],
 )
 def test_order(text, order):
     assert expand(bars(text)) == [int(digit) - 1 for digit in order.replace(" ", "")]
+
+
+@pytest.mark.parametrize("text", ["a, b DC", "a, segno b, c DS, d", "|: a :|, b DC"])
+def test_a_jump_back_without_fine_or_coda_has_no_end(text):
+    with pytest.raises(TabError, match="for ever"):
+        expand(bars(text))
 
 
 BARS = st.builds(

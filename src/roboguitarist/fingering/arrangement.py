@@ -32,6 +32,8 @@ MAX_CHORD = 24
 """Notes of one onset that are considered at all."""
 FORMS_PER_POSITION = 4
 """Forms of a chord that are offered to the search, in each position the cheapest."""
+LONG, FORMS_IF_LONG = 2000, 4
+"""From so many onsets on, only the so many cheapest forms of each are offered: time is bounded."""
 MEMORY = 2
 
 
@@ -66,11 +68,8 @@ def fold(
 ) -> int:
     """The same pitch class moved by octaves into the guitar's range."""
     lowest, highest = min(tuning) + capo, max(tuning) + n_frets
-    while pitch < lowest:
-        pitch += 12
-    while pitch > highest:
-        pitch -= 12
-    return pitch
+    pitch += 12 * max(0, -((pitch - lowest) // 12))
+    return pitch - 12 * max(0, -((highest - pitch) // 12))
 
 
 def arrange(
@@ -96,6 +95,9 @@ def arrange(
         A place for each note; None where the notes of that onset leave no string in reach. The
         highest and then the lowest note of a chord are the last to go.
     """
+    given = [Place(s.string, s.fret) for s in sounds if s.string is not None and s.fret is not None]
+    if len(given) == len(sounds):
+        return list(given)
     offered = offers(sounds, tuning, capo, n_frets, costs)
     result: list[Place | None] = [None] * len(sounds)
     if not offered:
@@ -152,7 +154,8 @@ def _may_be_open(moments: list[Moment]) -> bool:
 
 
 def _cheapest(moments: list[Moment], cost: np.ndarray, position: np.ndarray) -> list[Moment]:
-    """The moments with only the cheapest forms of each position."""
+    """The moments with only the cheapest forms of each position, and few if there are many."""
+    most = FORMS_IF_LONG if len(moments) > LONG else None
     result, first = [], 0
     for moment in moments:
         count = len(moment.forms)
@@ -163,7 +166,7 @@ def _cheapest(moments: list[Moment], cost: np.ndarray, position: np.ndarray) -> 
             seen[place] = seen.get(place, 0) + 1
             if seen[place] <= FORMS_PER_POSITION:
                 kept.append(moment.forms[k])
-        result.append(replace(moment, forms=kept))
+        result.append(replace(moment, forms=kept[:most]))
         first += count
     return result
 

@@ -49,7 +49,8 @@ def load(
     path = Path(path)
     try:
         data = _read_bytes(path)
-        if data.removeprefix(b"\xef\xbb\xbf").lstrip()[:1] in (b"{", b"["):
+        first = data.removeprefix(b"\xef\xbb\xbf").lstrip()[:1]
+        if first == b"{" or (first == b"[" and path.suffix.lower() == ".json"):
             return _load_json(data)
         score = detection.read(data, path.suffix.lower(), tempo, grid)
         part, warnings = choose(score, track)

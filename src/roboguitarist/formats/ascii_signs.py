@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 from roboguitarist.errors import TabError
@@ -24,12 +24,23 @@ _FULL_BEND = 2.0
 
 @dataclass
 class Sign:
-    """A fret on a string, at a column; the bend's heights in semitones one after the other."""
+    """A fret on a string.
+
+    Attributes:
+        column: Where it begins.
+        fret: 0 for a dead note.
+        techniques: How it is played.
+        bend: Heights in semitones one after the other.
+        width: Columns that its number takes.
+        bracketed: A bracket stands before it.
+    """
 
     column: int
     fret: int
     techniques: set[Technique] = field(default_factory=set)
     bend: list[float] = field(default_factory=list)
+    width: int = 1
+    bracketed: bool = False
 
     def curve(self) -> tuple[tuple[float, float], ...]:
         """The bend as a curve over the note's duration."""
@@ -51,10 +62,13 @@ def signs(row: str) -> list[Sign]:
     join = ""
     for token in _TOKEN.finditer(row):
         if token["frets"]:
+            bracketed = row[token.start() - 1 : token.start()] == "("
             join = _read_frets(found, join, token["frets"], token.start())
+            found[-1].bracketed = bracketed and len(token["frets"]) < 3
         elif token["harmonic"]:
             fret = _checked(token["harmonic"])
-            found.append(Sign(token.start(), fret, {Technique.HARMONIC}))
+            kinds = {Technique.HARMONIC}
+            found.append(Sign(token.start(), fret, kinds, width=len(token[0])))
             join = ""
         else:
             join = _read_sign(found, join, token["sign"], token.start())
@@ -62,12 +76,31 @@ def signs(row: str) -> list[Sign]:
     return found
 
 
+def together(rows: Sequence[Sequence[Sign]]) -> None:
+    """Let chords begin at once whose frets of one and two digits stand flush right, or in brackets.
+
+    Under the second digit of a fret no other note begins, and a bracket does not delay a note.
+    """
+    all_signs = [sign for row in rows for sign in row]
+    inside = {sign.column + k: sign.column for sign in all_signs for k in range(1, sign.width)}
+    plain = {sign.column for sign in all_signs if not sign.bracketed}
+    for row in rows:
+        taken = {sign.column for sign in row}
+        for sign in row:
+            column = inside.get(sign.column, sign.column)
+            if sign.bracketed and column not in plain and column - 1 in plain:
+                column -= 1
+            if column not in taken:
+                taken.add(column)
+                sign.column = column
+
+
 def _read_frets(found: list[Sign], join: str, digits: str, column: int) -> str:
     for offset, fret in _frets(digits):
         if join in ("b", "r") and found:
             found[-1].bend[-1] = float(max(0, fret - found[-1].fret))
         else:
-            found.append(Sign(column + offset, fret))
+            found.append(Sign(column + offset, fret, width=len(str(fret))))
             if join in _JOINS:
                 near = len(found) > 1
                 slide_in = Technique.SLIDE_IN if join in "/\\s" else None

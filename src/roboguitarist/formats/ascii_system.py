@@ -7,14 +7,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from roboguitarist.errors import TabError
-from roboguitarist.tablature import N_STRINGS, STANDARD_TUNING
+from roboguitarist.formats.ascii_tuning import NOTE, by_labels
+from roboguitarist.tablature import N_STRINGS
 
-_LABEL = r"(?P<label>[A-Za-z][A-Za-z0-9#♯♭]?)?"
+_LABEL = r"(?P<label>[A-Za-z][A-Za-z0-9#♯♭]?|[1-9](?=\s*[|:]))?"
 _LINE = re.compile(rf"\s*{_LABEL}\s*(?P<body>([|:\]*]|-[-|:\d]).*)")
-_NAMES = {"c": 0, "d": 2, "e": 4, "f": 5, "g": 7, "a": 9, "b": 11}
-_NOTE = re.compile(r"([A-Ga-g])([#b♯♭]?)")
 _MIN_DASHES = 2
-_TIMES = re.compile(r"\(?\s*[x×*]?\s*(\d{1,2})\s*[x×]?\s*\)?", re.IGNORECASE)
+_TIMES = re.compile(
+    r"\(?\s*(\d{1,2})\s*\)?$|.*?[x×*]\s*(\d{1,2})\b|.*?\b(\d{1,2})\s*(?:[x×]|times\b)",
+    re.IGNORECASE,
+)
+_WORDS = re.compile(r"\s+\(?[A-Za-z]{3}.*")
+_LONGEST_COMMENT = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +57,7 @@ def is_string(line: str) -> bool:
     named = bool(label) and found["body"].startswith("|")
     if found["body"].count("-") < (1 if named else _MIN_DASHES):
         return False
-    return not label or bool(_NOTE.fullmatch(label)) or not found["body"].startswith("-")
+    return not label or bool(NOTE.fullmatch(label)) or not found["body"].startswith("-")
 
 
 def systems(lines: Sequence[str]) -> tuple[list[System], tuple[int, ...]]:
@@ -65,7 +69,7 @@ def systems(lines: Sequence[str]) -> tuple[list[System], tuple[int, ...]]:
     blocks = [part for block in _blocks(lines) for part in _split(block)]
     if not blocks:
         raise TabError("no tab found", hint="six lines of dashes and frets, string 1 on top")
-    tuning, upside_down = _tuning([line.label for line in blocks[0]])
+    tuning, upside_down = by_labels([line.label for line in blocks[0]])
     return [_system(block, upside_down) for block in blocks], tuning
 
 
@@ -85,7 +89,7 @@ def _blocks(lines: Sequence[str]) -> Iterator[list[StringLine]]:
 def _split(block: list[StringLine]) -> list[list[StringLine]]:
     """The systems of a run: those of six strings may stand without a blank line between."""
     labels = {line.label.casefold() for line in block} - {""}
-    strange = [label for label in labels if not _NOTE.fullmatch(label)]
+    strange = [label for label in labels if not (NOTE.fullmatch(label) or label.isdigit())]
     if strange:
         reason = f"a line is labelled {strange[0]!r}, as in a drum tab"
         raise TabError(f"line {block[0].number}: {reason}", hint="e B G D A E are read")
@@ -95,35 +99,6 @@ def _split(block: list[StringLine]) -> list[list[StringLine]]:
         where = f"lines {block[0].number} to {block[-1].number}"
         raise TabError(f"{where}: a tab of {len(block)} strings, not {N_STRINGS}")
     return [block[k : k + N_STRINGS] for k in range(0, len(block), N_STRINGS)]
-
-
-def _tuning(labels: Sequence[str]) -> tuple[tuple[int, ...], bool]:
-    """Open strings, string 1 first, and whether the lines stand upside down."""
-    if not all(labels):
-        return STANDARD_TUNING, False
-    ways = []
-    for upside_down in (False, True):
-        ordered = list(reversed(labels)) if upside_down else list(labels)
-        strings = list(zip(ordered, STANDARD_TUNING, strict=True))
-        pitches = [nearest(label, usual) for label, usual in strings]
-        away = sum(abs(p - usual) for p, (_, usual) in zip(pitches, strings, strict=True))
-        capital_first = upside_down != (labels[0].islower() and not labels[-1].islower())
-        ways.append((away, not capital_first, upside_down, tuple(pitches)))
-    _, _, upside_down, pitches = min(ways)
-    return pitches, upside_down
-
-
-def nearest(name: str, usual: int) -> int:
-    """MIDI pitch of a note's name nearest to the usual one; rather lower than higher.
-
-    Raises:
-        TabError: If it is no name of a note.
-    """
-    found = _NOTE.fullmatch(name)
-    if found is None:
-        raise TabError(f"{name[:9]!r} is not a note", hint="such as E, A, D, F# or Bb")
-    step = _NAMES[found[1].casefold()] + {"#": 1, "♯": 1, "b": -1, "♭": -1, "": 0}[found[2]]
-    return usual + (step - usual + 7) % 12 - 7
 
 
 def _system(block: list[StringLine], upside_down: bool) -> System:
@@ -140,9 +115,9 @@ def _without_comment(body: str) -> tuple[str, str]:
     end = body.rfind("|") + 1
     if end and "-" not in body[end:]:
         return body[:end], body[end:].strip()
-    return body, ""
+    return _WORDS.sub("", body), ""
 
 
 def _times(comment: str) -> int:
-    found = _TIMES.fullmatch(comment)
-    return int(found[1]) if found else 0
+    found = _TIMES.match(comment[:_LONGEST_COMMENT])
+    return int(next(filter(None, found.groups()))) if found else 0

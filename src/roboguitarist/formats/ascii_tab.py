@@ -14,8 +14,9 @@ from fractions import Fraction
 from itertools import accumulate
 
 from roboguitarist.errors import TabError
-from roboguitarist.formats.ascii_signs import Sign, signs
-from roboguitarist.formats.ascii_system import System, is_string, nearest, systems
+from roboguitarist.formats.ascii_facts import facts
+from roboguitarist.formats.ascii_signs import Sign, signs, together
+from roboguitarist.formats.ascii_system import System, is_string, systems
 from roboguitarist.formats.written import (
     MAX_NOTES,
     WrittenBar,
@@ -23,23 +24,28 @@ from roboguitarist.formats.written import (
     WrittenPart,
     WrittenScore,
 )
-from roboguitarist.tablature import STANDARD_TUNING
 
-DEFAULT_GRID, DEFAULT_TEMPO = 16, 120
-GRIDS = range(4, 193)
-TEMPI = range(10, 1001)
 MAX_LENGTH = Fraction(4)
 """Quarter notes; a note that nothing follows lasts no longer."""
 MAX_CHARACTERS = 2_000_000
 _MAX_LINES = 100_000
 _CONFLICT = re.compile(r"(<{7}|>{7})( |$)")
-_FACT = re.compile(r"\s*(tempo|bpm|grid|capo|tuning|title|composer|artist)\s*[:=]\s*(.*)", re.I)
+_TAGS = re.compile(r"\[/?(?:tab|ch)\]", re.IGNORECASE)
+_TYPED = str.maketrans(
+    dict.fromkeys("‐‑‒–—―−─━═", "-") | dict.fromkeys("│┃║¦", "|") | {"\u00a0": " "}
+)
+"""What word processors make of dashes, bar lines and spaces."""
 _REPEAT_SIGNS = set(":*oO")
 
 
 def is_tab(text: str) -> bool:
     """Whether a text has at least three lines that look like strings."""
-    return sum(is_string(line) for line in text.splitlines()[:_MAX_LINES]) >= 3
+    return sum(is_string(line) for line in _lines(text)[:_MAX_LINES]) >= 3
+
+
+def _lines(text: str) -> list[str]:
+    """Lines as they were typed before a word processor or a web site changed them."""
+    return [line.expandtabs() for line in _TAGS.sub("", text.translate(_TYPED)).splitlines()]
 
 
 def read(text: str, tempo: float | None = None, grid: int | None = None) -> WrittenScore:
@@ -55,55 +61,22 @@ def read(text: str, tempo: float | None = None, grid: int | None = None) -> Writ
     """
     if len(text) > MAX_CHARACTERS:
         raise TabError("ASCII tab too long", hint=f"at most {MAX_CHARACTERS} characters")
-    lines = [line.expandtabs() for line in text.splitlines()]
+    lines = _lines(text)
     for number, line in enumerate(lines, 1):
         if _CONFLICT.match(line):
             raise TabError(f"line {number}: a conflict marker of git", hint="merge the file first")
     found, tuning = systems(lines)
-    facts = _facts(lines[: found[0].line - 1])
-    columns = _in_range("grid", grid or facts.get("grid"), GRIDS, DEFAULT_GRID)
-    tempo = _in_range(
-        "tempo", tempo or facts.get("tempo") or facts.get("bpm"), TEMPI, DEFAULT_TEMPO
-    )
-    bars, notes = _bars(found, Fraction(4, int(columns)))
-    bars[:1] = [replace(bar, tempi=((Fraction(0), _fraction(tempo)),)) for bar in bars[:1]]
+    said = facts(text.splitlines()[: found[0].line - 1], tempo, grid)
+    bars, notes = _bars(found, Fraction(4, said.grid))
+    bars[:1] = [replace(bar, tempi=((Fraction(0), said.tempo),)) for bar in bars[:1]]
     part = WrittenPart(
         name="Guitar",
         notes=tuple(_until_the_next(bars, notes)),
-        tuning=_stated_tuning(facts) or tuning,
-        capo=int(_in_range("capo", facts.get("capo"), range(13), 0)),
+        tuning=said.tuning or tuning,
+        capo=said.capo,
+        warnings=said.warnings,
     )
-    composer = facts.get("composer") or facts.get("artist", "")
-    return WrittenScore(tuple(bars), (part,), title=facts.get("title", ""), composer=composer)
-
-
-def _fraction(number: float) -> Fraction:
-    return Fraction(repr(number))
-
-
-def _facts(lines: Sequence[str]) -> dict[str, str]:
-    found = (_FACT.fullmatch(line) for line in lines)
-    return {fact[1].casefold(): fact[2].strip()[:200] for fact in found if fact}
-
-
-def _in_range(name: str, value: object, allowed: range, usual: int) -> int | float:
-    """The first number in a text, or a number."""
-    if value is None or value == "":
-        return usual
-    digits = re.search(r"\d{1,6}(\.\d{1,6})?", str(value))
-    number = float(digits[0]) if digits else -1.0
-    if not allowed.start <= number < allowed.stop:
-        raise TabError(f"{name} {str(value)[:20]}", hint=f"{allowed.start} to {allowed.stop - 1}")
-    return int(number) if number.is_integer() else number
-
-
-def _stated_tuning(facts: dict[str, str]) -> tuple[int, ...] | None:
-    """A tuning in words, lowest string first."""
-    names = re.findall(r"[A-Ga-g][#b♯♭]?", facts.get("tuning", ""))
-    if len(names) != len(STANDARD_TUNING):
-        return None
-    strings = zip(reversed(names), STANDARD_TUNING, strict=True)
-    return tuple(nearest(name, usual) for name, usual in strings)
+    return WrittenScore(tuple(bars), (part,), title=said.title, composer=said.composer)
 
 
 def _bars(found: Sequence[System], column: Fraction) -> tuple[list[WrittenBar], list[WrittenNote]]:
@@ -113,20 +86,33 @@ def _bars(found: Sequence[System], column: Fraction) -> tuple[list[WrittenBar], 
     cut = [(system, _cut(system)) for system in found]
     padded = all(slice_.is_padded for _, slices in cut for slice_ in slices)
     for system, slices in cut:
-        for slice_ in slices:
-            is_last = slice_ is slices[-1]
-            bar = _bar(len(bars) + 1, slice_, padded, column, system.times if is_last else 0)
+        alone = system.times and not slices[-1].ends and not any(s.starts for s in slices)
+        for k, slice_ in enumerate(slices):
+            bar = _bar(len(bars) + 1, slice_, padded, column)
+            if k == 0 and alone:
+                bar = replace(bar, repeat_start=True)
+            if k == len(slices) - 1 and system.times:
+                bar = replace(bar, repeat_times=system.times)
+            for string, sign in _signs(slice_, padded, system.line, bar.number):
+                notes.append(_note(len(bars), string, sign, column))
             bars.append(bar)
-            for string, row in enumerate(slice_.rows, 1):
-                try:
-                    on_string = signs(row[padded:])
-                except TabError as error:
-                    where = f"line {system.line + string - 1}: {error.reason}"
-                    raise TabError(where, bar=bar.number, hint=error.hint) from error
-                notes.extend(_note(len(bars) - 1, string, sign, column) for sign in on_string)
-                if len(notes) > MAX_NOTES:
-                    raise TabError(f"more than {MAX_NOTES} notes")
+            if len(notes) > MAX_NOTES:
+                raise TabError(f"more than {MAX_NOTES} notes")
     return bars, sorted(notes, key=lambda note: (note.bar, note.offset, note.string))
+
+
+def _signs(cut: _Slice, padded: bool, line: int, bar: int) -> Iterator[tuple[int, Sign]]:
+    """Strings and what is played on them in a bar."""
+    rows: list[list[Sign]] = []
+    for string, row in enumerate(cut.rows):
+        try:
+            rows.append(signs(row[padded:]))
+        except TabError as error:
+            where = f"line {line + string}: {error.reason}"
+            raise TabError(where, bar=bar, hint=error.hint) from error
+    together(rows)
+    for string, on_string in enumerate(rows, 1):
+        yield from ((string, sign) for sign in on_string)
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +136,7 @@ def _cut(system: System) -> list[_Slice]:
         if signs_.count("|") > len(signs_) // 2:
             rows = [row[start:column].replace("|", "-") for row in system.rows]
             stray = len(rows[0]) < 3 and not set("".join(rows)) - {"-"}
-            if rows[0] and not (slices and stray):
+            if rows[0] and not stray:
                 slices.append(_slice(rows))
             start = column + 1
     return slices
@@ -163,7 +149,7 @@ def _slice(rows: list[str]) -> _Slice:
     return _Slice(tuple(rows), starts, ends)
 
 
-def _bar(number: int, cut: _Slice, padded: bool, column: Fraction, times: int) -> WrittenBar:
+def _bar(number: int, cut: _Slice, padded: bool, column: Fraction) -> WrittenBar:
     length = (len(cut.rows[0]) - padded) * column
     beat_type = max(4, (length / 4).denominator)
     return WrittenBar(
@@ -172,7 +158,7 @@ def _bar(number: int, cut: _Slice, padded: bool, column: Fraction, times: int) -
         int(length / 4 * beat_type),
         beat_type,
         repeat_start=cut.starts,
-        repeat_times=(times or 2) if cut.ends or times else 0,
+        repeat_times=2 if cut.ends else 0,
     )
 
 
@@ -194,7 +180,7 @@ def _until_the_next(
     """The notes, each as long as it is until others begin."""
     starts = [Fraction(0), *accumulate(bar.length for bar in bars)]
     onsets = sorted({starts[note.bar] + note.offset for note in notes})
-    following = dict(zip(onsets, [*onsets[1:], starts[-1]], strict=True))
+    following = dict(zip(onsets, [*onsets[1:], starts[-1]], strict=False))  # none: no notes
     for note in notes:
         onset = starts[note.bar] + note.offset
         yield replace(note, length=min(MAX_LENGTH, following[onset] - onset))

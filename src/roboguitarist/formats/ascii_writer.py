@@ -9,7 +9,7 @@ from itertools import pairwise
 
 from roboguitarist.formats.ascii_signs import text_of
 from roboguitarist.formats.ticks import Ticked, TickedNote, in_ticks
-from roboguitarist.tablature import N_STRINGS, Tablature
+from roboguitarist.tablature import N_STRINGS, Tablature, Technique
 
 NAMES = "C C# D Eb E F F# G G# A Bb B".split()
 RESOLUTIONS = (1, 2, 3, 4, 6, 8, 12, 24, 48)
@@ -82,11 +82,20 @@ def _neighbours(ticked: Ticked) -> Iterator[tuple[TickedNote, TickedNote]]:
     for before, after in pairwise(in_order):
         if before.note.string == after.note.string:
             yield before, after
+    yield from pairwise(sorted(ticked.notes, key=lambda note: note.start))
 
 
 def _fits(before: TickedNote, after: TickedNote) -> bool:
+    if before.note.string != after.note.string:
+        return before.start == after.start or after.start - before.start >= _width(before)
     lead = len(text_of(after.note)[0])
     return len(text_of(before.note)[1]) + max(1, lead) <= after.start - before.start
+
+
+def _width(note: TickedNote) -> int:
+    """Columns of the fret's number, under which a reader takes all notes as one chord."""
+    brackets = 2 * (Technique.HARMONIC in note.note.techniques)
+    return len(str(note.note.fret)) + brackets
 
 
 def _bars(ticked: Ticked) -> Iterator[list[str]]:

@@ -100,7 +100,9 @@ def _linked(
 
 
 def _beat_techniques(beat: Any) -> set[Technique]:
-    kinds = {_STROKES[name] for name in (beat.effect.stroke.direction.name,) if name in _STROKES}
+    stroke = beat.effect.stroke  # None in broken files
+    name = stroke.direction.name if stroke else ""
+    kinds = {_STROKES[name]} if name in _STROKES else set()
     kinds |= {Technique.RASGUEADO} if beat.effect.hasRasgueado else set()
     return kinds | ({Technique.VIBRATO} if beat.effect.vibrato else set())
 

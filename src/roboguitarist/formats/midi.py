@@ -24,6 +24,8 @@ MAX_BYTES = 1_000_000
 MAX_TICKS = 2**31
 MAX_BARS = 10_000
 DRUM_CHANNEL = 9
+MAX_UNENDED = 0.1
+"""Share of a track's notes that may never end and are given an end."""
 BASS_PROGRAMS = range(32, 40)
 """Counted from 0, as in the file."""
 STRINGS = "strings on channels 1 to 6, tuning {tuning}, capo {capo}"
@@ -193,6 +195,8 @@ def _part(
     drums = all(note.channel == DRUM_CHANNEL for note in track.notes) and tuning is None
     bass = bool(track.programs) and all(program in BASS_PROGRAMS for program in track.programs)
     obstacle = "it is a drum part" if drums else "it is a bass part" if bass else ""
+    if track.unended > MAX_UNENDED * len(track.notes):
+        obstacle = f"{track.unended} of its {len(track.notes)} notes never end"
     ends = f"{track.unended} notes never end; they last until the track does"
     return WrittenPart(
         name=track.name or f"track {number}",

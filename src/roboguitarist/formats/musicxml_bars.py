@@ -62,7 +62,7 @@ def signature(time: Element) -> tuple[int, int] | None:
     pairs = []
     for beats, beat_type in zip(time.iterfind("beats"), time.iterfind("beat-type"), strict=False):
         for digits in re.findall(r"\d+", text(beats)):
-            pairs.append((int(digits[:4]), integer(beat_type, ".") or 4))
+            pairs.append((int(digits[:4]), integer(beat_type, "") or 4))
     smallest = max((unit for _, unit in pairs), default=4)
     total = sum(Fraction(count * smallest, unit) for count, unit in pairs if unit > 0)
     if not 0 < total <= 256 or not 0 < smallest <= 256:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from xml.etree.ElementTree import Element
 
-from roboguitarist.formats.xml_tree import decimal, number, text
+from roboguitarist.formats.xml_tree import decimal, descendants, number, text
 from roboguitarist.tablature import MAX_BEND, Technique
 
 _NOTATIONS = {
@@ -29,15 +29,15 @@ _RIGHT_FINGERS = ("p", "i", "m", "a", "c")
 def techniques(note: Element) -> tuple[Technique, ...]:
     """How a note is to be played, in alphabetical order."""
     found: set[Technique] = set()
-    for notations in note.iterfind("notations"):
-        found |= {kind for path, kind in _NOTATIONS.items() if notations.find(path) is not None}
-        trill_line = notations.find("ornaments/trill-mark") is not None
-        if notations.find("ornaments/wavy-line") is not None and not trill_line:
+    for notations in note.findall("notations"):
+        marks = _marks(notations)
+        found |= {_NOTATIONS[mark] for mark in marks if mark in _NOTATIONS}
+        if "ornaments/wavy-line" in marks and "ornaments/trill-mark" not in marks:
             found.add(Technique.VIBRATO)
         found |= _strum(notations) | _harmonic(notations) | _in_words(notations)
     if text(note, "notehead") in _DEAD_HEADS:
         found.add(Technique.DEAD)
-    for mute in note.iterfind("play/mute"):
+    for mute in descendants(note, "play/mute"):
         if text(mute) in ("palm", "straight"):
             found.add(Technique.PALM_MUTE if text(mute) == "palm" else Technique.DEAD)
     if note.find("grace") is not None:
@@ -45,10 +45,21 @@ def techniques(note: Element) -> tuple[Technique, ...]:
     return tuple(sorted(found))
 
 
+def _marks(notations: Element) -> set[str]:
+    """Paths of what stands in a `<notations>`, one and two deep, without and with their type."""
+    marks = set()
+    for group in notations:
+        marks |= {group.tag, f"{group.tag}[@type='{group.get('type')}']"}
+        for mark in group:
+            path = f"{group.tag}/{mark.tag}"
+            marks |= {path, f"{path}[@type='{mark.get('type')}']"}
+    return marks
+
+
 def _harmonic(notations: Element) -> set[Technique]:
     artificial = {
         harmonic.find("artificial") is not None
-        for harmonic in notations.iterfind("technical/harmonic")
+        for harmonic in descendants(notations, "technical/harmonic")
     }
     kinds = {True: Technique.ARTIFICIAL_HARMONIC, False: Technique.HARMONIC}
     return {kinds[kind] for kind in artificial}
@@ -56,8 +67,9 @@ def _harmonic(notations: Element) -> set[Technique]:
 
 def _in_words(notations: Element) -> set[Technique]:
     """What MusicXML has no element for, by its name in `Technique`."""
-    words = {text(mark).casefold() for mark in notations.iterfind("technical/other-technical")}
-    return {kind for kind in Technique if kind.value in words}
+    words = descendants(notations, "technical/other-technical")
+    said = {text(mark).casefold() for mark in words}
+    return {kind for kind in Technique if kind.value in said} if said else set()
 
 
 def _strum(notations: Element) -> set[Technique]:
@@ -71,8 +83,8 @@ def _strum(notations: Element) -> set[Technique]:
 
 def fingers(note: Element) -> tuple[int | None, str | None]:
     """Left finger 0 to 4 and right finger p, i, m, a or c as marked, None where not."""
-    left = [text(mark) for mark in note.iterfind("notations/technical/fingering")]
-    right = [text(mark).lower() for mark in note.iterfind("notations/technical/pluck")]
+    left = [text(mark) for mark in descendants(note, "notations/technical/fingering")]
+    right = [text(mark).lower() for mark in descendants(note, "notations/technical/pluck")]
     return (
         next((int(mark) for mark in left if mark in ("0", "1", "2", "3", "4")), None),
         next((mark for mark in right if mark in _RIGHT_FINGERS), None),
@@ -104,7 +116,7 @@ def bend(note: Element) -> tuple[tuple[float, float], ...]:
     Each element is a rise or a release by so many semitones; those that do not say when share
     the time of the note evenly.
     """
-    bends = note.findall("notations/technical/bend")
+    bends = descendants(note, "notations/technical/bend")
     curve: list[tuple[float, float]] = []
     for k, element in enumerate(bends):
         height = curve[-1][1] if curve else 0.0

@@ -15,7 +15,7 @@ from roboguitarist.formats.musicxml_bars import RawBar
 from roboguitarist.formats.musicxml_marks import DYNAMICS, bend, fingers, techniques, velocity
 from roboguitarist.formats.musicxml_staves import StaffDetails, pitch
 from roboguitarist.formats.written import MAX_NOTES, WrittenNote
-from roboguitarist.formats.xml_tree import integer, number
+from roboguitarist.formats.xml_tree import descendants, integer, number
 
 GRACE_LENGTH = Fraction(1, 8)
 """Quarter notes; a grace note is played just before its beat."""
@@ -195,16 +195,17 @@ class PartReader:
 
     def _note(self, element: Element, start: Fraction, length: Fraction) -> WrittenNote:
         staff = integer(element, "staff") or 1
-        written = next((pitch(found) for found in element.iterfind("pitch")), None)
+        sounding = element.find("pitch")
+        written = None if sounding is None else pitch(sounding)
         left, right = fingers(element)
-        fret = integer(element, "notations/technical/fret")
-        open_string = element.find("notations/technical/open-string") is not None
+        fret = _technical_number(element, "fret")
+        open_string = descendants(element, "notations/technical/open-string")
         return WrittenNote(
             bar=len(self.bars) - 1,
             offset=start,
             length=length,
             pitch=None if written is None else written + self.details.transposition(staff),
-            string=integer(element, "notations/technical/string"),
+            string=_technical_number(element, "string"),
             fret=0 if fret is None and open_string else fret,
             voice=_voice(element),
             staff=staff,
@@ -218,8 +219,13 @@ class PartReader:
 
 
 def _ties(element: Element) -> Iterator[Element]:
-    yield from element.iterfind("tie")
-    yield from element.iterfind("notations/tied")
+    yield from element.findall("tie")
+    yield from descendants(element, "notations/tied")
+
+
+def _technical_number(element: Element, name: str) -> int | None:
+    found = descendants(element, f"notations/technical/{name}")
+    return integer(found[0], "") if found else None
 
 
 def _voice(element: Element) -> int:

@@ -13,6 +13,7 @@ from roboguitarist.formats.xml_tree import integer, text
 from roboguitarist.tablature import N_STRINGS, STANDARD_TUNING
 
 _STEPS = {"C": 0, "D": 2, "E": 4, "F": 5, "G": 7, "A": 9, "B": 11}
+MAX_TRANSPOSITION = 60
 _SAME_MUSIC = 0.5
 """Share of notes with a twin from which two staves show the same music."""
 
@@ -39,6 +40,8 @@ class StaffDetails:
             semitones = (integer(transpose, "chromatic") or 0) + 12 * (
                 integer(transpose, "octave-change") or 0
             )
+            if abs(semitones) > MAX_TRANSPOSITION:
+                raise TabError(f"transposition by {semitones} semitones", hint="at most 5 octaves")
             staves = [_staff(transpose)] if transpose.get("number") else range(100)
             self._transpose.update(dict.fromkeys(staves, semitones))
         for details in attributes.iterfind("staff-details"):

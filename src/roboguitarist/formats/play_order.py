@@ -31,7 +31,8 @@ def expand(bars: Sequence[WrittenBar]) -> list[int]:
     """Indices of the written bars in the order they are played.
 
     Raises:
-        TabError: If more than `MAX_PLAYED_BARS` would be played.
+        TabError: If more than `MAX_PLAYED_BARS` would be played, or a da capo or dal segno leads
+            back for ever because nothing says where to end.
     """
     sections = _sections(bars)
     order: list[int] = []
@@ -52,11 +53,19 @@ def expand(bars: Sequence[WrittenBar]) -> list[int]:
         if target is None and not skipped:
             target = _jump(bars, index, jumped)
             if target is not None and not jumped:
+                _check_end(bars, bar)
                 jumped = True
                 for section in sections:
                     section.played = section.total
         index = index + 1 if target is None else target
     return order
+
+
+def _check_end(bars: Sequence[WrittenBar], bar: WrittenBar) -> None:
+    if not any(other.fine or other.to_coda for other in bars):
+        names = {"dacapo": "da capo", "dalsegno": "dal segno"}
+        reason = f"this {names[bar.jump]} would be played for ever"
+        raise TabError(reason, bar=bar.number, hint="with a fine or a coda in the score")
 
 
 def _jump(bars: Sequence[WrittenBar], index: int, jumped: bool) -> int | None:

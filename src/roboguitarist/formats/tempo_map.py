@@ -36,9 +36,15 @@ class TempoMap:
             now = self._seconds[-1] + (end - start) * 60 / tempo
             # Exact sums of thousands of fractions would have thousands of digits.
             self._seconds.append(Fraction(round(now * _PICO), _PICO))
+        self._known: dict[Fraction, float] = {}
 
     def __call__(self, quarter: Fraction) -> float:
         """Time in seconds, rounded to whole microseconds."""
+        if quarter not in self._known:
+            self._known[quarter] = self._time_s(quarter)
+        return self._known[quarter]
+
+    def _time_s(self, quarter: Fraction) -> float:
         k = max(0, bisect_right(self._quarters, quarter) - 1)
         start, tempo = self.marks[k]
         seconds = self._seconds[k] + (quarter - start) * 60 / tempo

@@ -189,7 +189,7 @@ def _one_at_a_time(played: list[_Played]) -> tuple[list[_Played], _Remarks]:
                 note = replace(note, string=None, fret=None)
             elif p.given:
                 taken.add(note.string)
-            result.append(replace(p, note=note))
+            result.append(p if note is p.note else replace(p, note=note))
     return result, remarks
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 from xml.etree.ElementTree import Element, ParseError, TreeBuilder
 
@@ -40,7 +41,7 @@ class _BoundedBuilder(TreeBuilder):
 
 
 def _local(tag: str) -> str:
-    return tag.rpartition("}")[2]
+    return tag.rpartition("}")[2] if tag[:1] == "{" else tag
 
 
 def parse(data: bytes) -> Element:
@@ -80,9 +81,17 @@ def _parse(data: bytes, encoding: str | None) -> Element:
     return root
 
 
-def text(element: Element | None, path: str = ".") -> str:
+def descendants(element: Element, path: str) -> list[Element]:
+    """All elements at a path of tags, as `findall` gives, but several times as fast."""
+    found = [element]
+    for tag in path.split("/"):
+        found = [child for parent in found for child in parent.findall(tag)]
+    return found
+
+
+def text(element: Element | None, path: str = "") -> str:
     """Text of a descendant with its white space collapsed, empty if there is none."""
-    found = None if element is None else element.find(path)
+    found = element if element is None or not path else element.find(path)
     return " ".join((found.text or "").split()) if found is not None else ""
 
 
@@ -99,6 +108,7 @@ def number(element: Element, path: str) -> Fraction | None:
     return decimal(found, path.rpartition("/")[2]) if found else None
 
 
+@lru_cache(maxsize=1 << 12)
 def decimal(written: str, name: str) -> Fraction:
     """The number that is written, exactly.
 
