@@ -161,7 +161,7 @@ def _report(folder: RunFolder, command: Train, done: bool) -> None:
     if rows:
         best = max(rows, key=lambda row: row["score"])
         score = shlex.quote(command.scores[0]) if command.scores else "SCORE"
-        print(f"Best policy: {folder.best}, F1 {best['score']:.3f} at {best['steps']:,} ticks.")
+        print(f"Best policy: {folder.best}, score {best['score']:.3f} at {best['steps']:,} ticks.")
         print(f"To see and hear it: roboguitarist play {score} --policy {folder.best}")
     if not done:
         out = shlex.quote(str(folder.path))
