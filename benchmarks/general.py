@@ -64,9 +64,7 @@ def main() -> None:
             column: round(float(np.mean([row[column] for row in rows])), 3) for column in rows[0]
         }
     columns = list(results[PIECES[0]])
-    table = [
-        (name, *(f"{row[column]:.3f}" for column in columns)) for name, row in results.items()
-    ]
+    table = [(name, *(f"{row[column]:.3f}" for column in columns)) for name, row in results.items()]
     print(cli_report.table([("", *columns), *table]))
     print(record.write("general", results))
 

@@ -111,6 +111,19 @@ def test_a_broken_copy_is_counted(value, substeps, tmp_path, monkeypatch):
     assert hands.n_failures == 1
 
 
+def test_a_joint_thrown_far_outside_its_range_is_a_failure_too():
+    hands = batch(3)
+    rest = np.zeros((3, hands.model.nu))
+    joint = hands.model.joint("lh_MFJ3").qposadr[0]
+    hands._widest[1, joint] = 0.5  # a joint limit that strong is not thrown far so easily
+    hands.qpos[1, joint] = 1.2
+    assert hands.step(rest).tolist() == [False, True, False]
+    assert hands.n_failures == 1
+    assert hands.qpos[1] == pytest.approx(hands.model.qpos0)
+    assert not hands.qvel[1].any()
+    assert not hands.step(rest).any()
+
+
 @pytest.mark.parametrize(
     ("n_envs", "control_hz", "timestep_s"),
     [(0, 30.0, 1 / 300), (1, 30.0, 1 / 310), (1, 400.0, 1 / 300), (1, 30.0, 0.1)],

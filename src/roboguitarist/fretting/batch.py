@@ -14,6 +14,8 @@ from roboguitarist.fretting.randomisation import Randomisation, delays, varied
 from roboguitarist.scene import LEFT_TIPS, SceneConfig
 from roboguitarist.sensing import Stops, columns, power_columns, stops
 
+WILD_RAD = 1.0
+"""A joint that is that far outside its range has been thrown there by a broken contact."""
 SAMPLES = 5
 """Moments of a tick at which rewards look at the strings."""
 _FULL = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -23,7 +25,8 @@ class HandBatch:
     """N copies of one left hand on the guitar, each with its own state.
 
     The same states and targets give the same next states for any number of threads and any
-    number of copies. A copy whose state is no longer finite is counted and put back.
+    number of copies. A copy whose state is no longer finite, or with a joint far outside its range,
+    is counted and put back.
 
     Args:
         scene: Guitar, hand variant and time step.
@@ -37,7 +40,7 @@ class HandBatch:
         model: The model that all copies share.
         substeps: Time steps in a control tick.
         qpos, qvel: (N, nq) and (N, nv) positions and velocities, views of the state.
-        n_failures: How many states became non-finite or absurdly large so far.
+        n_failures: How many states had to be put back so far.
 
     Raises:
         RoboGuitaristError: If the rates do not fit each other.
@@ -76,6 +79,7 @@ class HandBatch:
         self.models = [model] * n_envs
         if randomisation != Randomisation(delay_s=randomisation.delay_s):
             self.models = [varied(model, randomisation, rng) for _ in range(n_envs)]
+        self._widest = model.jnt_range.T + [[-WILD_RAD], [WILD_RAD]]
         self._pool = rollout.Rollout(nthread=n_threads)
         self._data = [mujoco.MjData(model) for _ in range(max(1, n_threads))]
         self._force_n: np.ndarray | None = None
@@ -137,6 +141,13 @@ class HandBatch:
         # MuJoCo puts a state that breaks back to the model's, at time 0: its clock falls behind.
         elapsed_s = last[:, 0] - self._state[:, 0]
         failed = elapsed_s < (self.substeps - 0.5) * self.model.opt.timestep
+        qpos = last[:, 1 : 1 + self.model.nq]
+        wild = ((qpos < self._widest[0]) | (qpos > self._widest[1])).any(axis=1)
+        if wild.any():
+            last[wild] = 0.0
+            last[wild, 0] = 1.0
+            qpos[wild] = self.model.qpos0
+            failed |= wild
         self.n_failures += int(failed.sum())
         self._state[:] = last
         return failed

@@ -37,6 +37,8 @@ class Posture:
         pressed, idle: Cost of a metre of error of a fingertip that is down, and of one that
             is not.
         bend: J1 = bend + J2 in the planned path.
+        room_pull: Share of its cost with which a pressing fingertip is drawn to its place between
+            the wires.
     """
 
     rest: Mapping[str, float]
@@ -47,6 +49,7 @@ class Posture:
     pressed: float = 100.0
     idle: float = 3.0
     bend: float = 0.0
+    room_pull: float = 0.022
 
 
 _LIMITS = {
@@ -86,6 +89,7 @@ POSTURES: dict[Variant, Posture] = {
         pointing_cost=0.333,
         idle=5.02,
         bend=-1.3,
+        room_pull=0.3,
     ),
 }
 
@@ -119,6 +123,7 @@ def solver(scene: SceneConfig, posture: Posture) -> Solver:
             (stem + link, KNUCKLE_RADIUS_M) for stem in stems for link in ("middle", "distal")
         ),
         tip_radius_m=TIP_RADIUS_M,
+        room_pull=posture.room_pull,
     )
 
 
