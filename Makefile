@@ -32,6 +32,7 @@ bench: $(VENV)/installed  ## Measure the published numbers into benchmarks/resul
 	$(BIN)/python benchmarks/fingering.py
 	$(BIN)/python benchmarks/strokes.py
 	$(BIN)/python benchmarks/exercises.py
+	$(BIN)/python benchmarks/general.py
 	$(BIN)/python benchmarks/speed.py
 	$(BIN)/python benchmarks/environment.py
 

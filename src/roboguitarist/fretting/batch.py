@@ -79,7 +79,7 @@ class HandBatch:
         self.models = [model] * n_envs
         if randomisation != Randomisation(delay_s=randomisation.delay_s):
             self.models = [varied(model, randomisation, rng) for _ in range(n_envs)]
-        self._widest = model.jnt_range.T + [[-WILD_RAD], [WILD_RAD]]
+        self._widest = model.jnt_range.T + np.array([[-WILD_RAD], [WILD_RAD]])
         self._pool = rollout.Rollout(nthread=n_threads)
         self._data = [mujoco.MjData(model) for _ in range(max(1, n_threads))]
         self._force_n: np.ndarray | None = None
