@@ -105,7 +105,7 @@ def number(element: Element, path: str) -> Fraction | None:
         TabError: If it is not a number, or one of absurd size.
     """
     found = text(element, path)
-    return decimal(found, path.rpartition("/")[2]) if found else None
+    return decimal(found, path.rpartition("/")[2] or element.tag) if found else None
 
 
 @lru_cache(maxsize=1 << 12)
