@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from multiprocessing import get_context
 
 import numpy as np
@@ -80,29 +80,6 @@ def _plan(job: tuple[Tablature, TaskConfig]) -> HandPlan:
     return planner.plan(assign(tablature), config.scene())
 
 
-@dataclass
-class _Count:
-    """Frames and onsets of one kind of exercise."""
-
-    right: int = 0
-    extra: int = 0
-    missing: int = 0
-    onsets: int = 0
-    ready: int = 0
-
-    def add(self, other: _Count) -> None:
-        for name, value in vars(other).items():
-            setattr(self, name, getattr(self, name) + value)
-
-    @property
-    def frame(self) -> float:
-        return 2 * self.right / max(2 * self.right + self.extra + self.missing, 1)
-
-    @property
-    def onset(self) -> float:
-        return self.ready / max(self.onsets, 1)
-
-
 def examiner(config: TaskConfig, n_threads: int = 0) -> Callable[[Policy | None], Evaluation]:
     """What lets a policy play exercises that nobody practises, with the left hand alone.
 
@@ -122,28 +99,38 @@ def examiner(config: TaskConfig, n_threads: int = 0) -> Callable[[Policy | None]
 
     def evaluate(policy: Policy | None) -> Evaluation:
         counts = _played(batch, policy)
-        total, scalars = _Count(), {}
+        scalars: dict[str, float] = {}
         for kind in KINDS:
-            mine = _Count()
-            for (other, _), count in zip(drawn, counts, strict=True):
-                if other == kind:
-                    mine.add(count)
-            total.add(mine)
-            scalars |= {f"exam/{kind}/frame": mine.frame, f"exam/{kind}/onset": mine.onset}
-        scalars |= {"exam/frame": total.frame, "exam/onset": total.onset}
-        return Evaluation((total.frame + total.onset) / 2, scalars)
+            mine = np.array([other == kind for other, _ in drawn])
+            frame, onset = _scores(counts[mine])
+            scalars |= {f"exam/{kind}/frame": frame, f"exam/{kind}/onset": onset}
+        frame, onset = _scores(counts)
+        return Evaluation(
+            (frame + onset) / 2, {**scalars, "exam/frame": frame, "exam/onset": onset}
+        )
 
     return evaluate
 
 
-def _played(batch: FrettingBatch, policy: Policy | None) -> list[_Count]:
-    """Let each environment play its own tablature from the beginning, without chance."""
+def _scores(counts: np.ndarray) -> tuple[float, float]:
+    """F1 of the frames, and the share of onsets that were ready, of what `_played` counted."""
+    right, extra, missing, onsets, ready = counts.sum(axis=0).tolist()
+    return 2 * right / max(2 * right + extra + missing, 1), ready / max(onsets, 1)
+
+
+def _played(batch: FrettingBatch, policy: Policy | None) -> np.ndarray:
+    """Let each environment play its own tablature from the beginning, without chance.
+
+    Returns:
+        (N, 5) keys held rightly, held in vain, and missing over all ticks; onsets, and onsets whose
+        string was ready.
+    """
     every, bank, hands = np.arange(batch.n_envs), batch.bank, batch.hands
     batch.reset()
     batch.episode[:], batch.tick[:] = every, 0
     hands.put(every, batch.task.start(batch.at))
     seen, live = batch.observe(), np.ones(batch.n_envs, bool)
-    counts = [_Count() for _ in every]
+    counts = np.zeros((batch.n_envs, 5), int)
     frets, tick_s = np.arange(1, hands.guitar.n_frets + 1), 1.0 / batch.config.control_hz
     while live.any():
         episode, tick = batch.episode.copy(), batch.tick.copy()
@@ -155,13 +142,8 @@ def _played(batch: FrettingBatch, policy: Policy | None) -> list[_Count]:
         until_s = bank.until_onset_s[episode, tick]
         onset = (until_s > 0.501 * tick_s) & (until_s <= 1.501 * tick_s)
         ready = onset & (hands.sounding_fret() == bank.next_fret[episode, tick])
-        for one in np.flatnonzero(live):
-            counts[one].add(_Count(
-                int((held[one] & wanted[one]).sum()),
-                int((held[one] & ~wanted[one]).sum()),
-                int((~held[one] & wanted[one]).sum()),
-                int(onset[one].sum()),
-                int(ready[one].sum()),
-            ))  # fmt: skip
+        keys = [part.sum(axis=(1, 2)) for part in (held & wanted, held & ~wanted, ~held & wanted)]
+        notes = [part.sum(axis=1) for part in (onset, ready)]
+        counts[live] += np.column_stack([*keys, *notes])[live]
         live &= ~ended
     return counts
